@@ -6,7 +6,6 @@
 
 #include <atomic>
 #include <bit>
-#include <cmath>
 
 namespace {
 using namespace gnomon;
@@ -28,13 +27,10 @@ constexpr About about{
 class AreaRays final : public Technique {
  public:
   Number<int> samples{this, "samples", 64, {"ray", 1, 4096, true}, Stage::resolve, "Rays from a point to the light."};
-  Choice pattern{this,
-                 "pattern",
-                 "low_discrepancy",
-                 pattern_names(),
-                 Stage::resolve,
-                 "Where they go: anywhere; one into each of as many cells; a sequence that fills the light evenly; the same "
-                 "sequence, scrambled alike for every fourth pixel along x and y."};
+  Choice pattern =
+      Choice(this, "pattern", "low_discrepancy", pattern_names(), Stage::resolve,
+             "Where they go: anywhere; one into each of as many cells; a sequence that fills the light evenly; the same "
+             "sequence, scrambled alike for every fourth pixel along x and y.");
   Number<int> seed{this, "seed", 1, {"", 0, 1000000}, Stage::resolve, "Other random numbers."};
 
   Support supports(const Scene&, const Light& light, const View&) const override {
@@ -59,12 +55,11 @@ class AreaRays final : public Technique {
   std::unique_ptr<Technique> for_another_light() const override { return another(*this, &AreaRays::casters_); }
   std::optional<Explanation> explain(std::size_t index) const override {
     Explanation why;
-    ask(*gbuffer_, index, [&](const LightFigure& face, const Squares& squares, const FaceHits& hits) {
+    ask(*gbuffer_, index, [&](const LightFigure& figure, const Squares& squares, const FaceHits& hits) {
       for (std::uint32_t left = hits.asked; left; left &= left - 1) {
         const int k = std::countr_zero(left);
-        const LightFigure::Box& box = face.box();
-        const glm::dvec2 place = box.low + glm::dvec2(squares.x[k], squares.y[k]) * (box.high - box.low);
-        why.samples.push_back({glm::dvec3(gbuffer_->position(index)) + face.at(place), 1, hits.blocked >> k & 1 ? 0.0 : 1.0});
+        const glm::dvec2 place = figure.box().at({squares.x[k], squares.y[k]});
+        why.samples.push_back({glm::dvec3(gbuffer_->position(index)) + figure.at(place), 1, hits.blocked >> k & 1 ? 0.0 : 1.0});
       }
     });
     for (LightSample& sample : why.samples) sample.weight /= static_cast<double>(why.samples.size());
@@ -72,20 +67,20 @@ class AreaRays final : public Technique {
   }
 
  private:
-  /// Asks the places of pixel i, sixteen at a time: `use(face, squares, hits)`. Nothing of a pixel that does not face the
+  /// Asks the places of pixel i, sixteen at a time: `use(figure, squares, hits)`. Nothing of a pixel that does not face the
   /// light.
   template <class Use>
   void ask(const GBuffer& gbuffer, std::size_t i, const Use& use) const {
     if (gbuffer.is_background(i) || !casters_->scene().meshes[gbuffer.mesh[i]].receives) return;
-    const LightFigure face(light_, gbuffer.position(i), gbuffer.normal(i));
-    if (!face.is_seen()) return;
-    const FaceRays to_light(casters_->under(gbuffer.truth), gbuffer, i, face);
+    const LightFigure figure(light_, gbuffer.position(i), gbuffer.normal(i));
+    if (!figure.is_seen()) return;
+    const FaceRays to_light(casters_->under(gbuffer.truth), gbuffer, i, figure);
     const std::size_t x = i % gbuffer.width, y = i / gbuffer.width;
     PatternPlaces places(pattern.value(), samples, places_seed(seed, pattern.is("interleaved") ? interleaved_set(x, y) : i));
     for (int first = 0; first < samples; first += 16) {
       const std::uint32_t wanted = samples - first >= 16 ? 0xffffu : (1u << (samples - first)) - 1;
-      const Squares squares = places_on(face, places.next(static_cast<std::uint32_t>(first / 16)));
-      use(face, squares, to_light.ask(squares, wanted));
+      const Squares squares = places_on(figure, places.next(static_cast<std::uint32_t>(first / 16)));
+      use(figure, squares, to_light.ask(squares, wanted));
     }
   }
 

@@ -38,38 +38,148 @@ std::string cannot_be_averaged(const TechniqueEntry& entry) {
   return has_no_hard_shadow(entry);
 }
 
-// The hard technique comes from the registry, as everybody else has it: one object for each point of the light. They share what
+// The hard technique comes from the registry, unchanged: one object for each point of the light. They share what
 // setup and build make where it can share that (Technique::for_another_light); else each has a setup and a build of its own. An
 // object for a further light with area holds points of its own, which share with the first object's.
 class AveragedHard final : public Technique {
-  InnerTechnique of{this,
-                    "of",
-                    "svbsp",
-                    Stage::setup,
-                    "The hard technique, one of those that know lights without area; its own parameters follow, as of.NAME.",
-                    cannot_be_averaged};
+  InnerTechnique of =
+      InnerTechnique(this, "of", "svbsp", Stage::setup,
+                     "The hard technique, one of those that know lights without area; its own parameters follow, as of.NAME.",
+                     cannot_be_averaged);
   Number<int> samples{this, "samples", 8, {"point", 1, 1024, true}, Stage::relight, "Points of the light that a pixel asks."};
-  Choice pattern{this,
-                 "pattern",
-                 "low_discrepancy",
-                 pattern_names(),
-                 Stage::relight,
-                 "Where they lie: anywhere; one in each of as many cells; a sequence that fills the light evenly; sixteen such "
-                 "sequences, one for every fourth pixel along x and y, which takes sixteen times the objects."};
+  Choice pattern =
+      Choice(this, "pattern", "low_discrepancy", pattern_names(), Stage::relight,
+             "Where they lie: anywhere; one in each of as many cells; a sequence that fills the light evenly; sixteen such "
+             "sequences, one for every fourth pixel along x and y, which takes sixteen times the objects.");
   Number<int> seed{this, "seed", 1, {"", 0, 1000000}, Stage::relight, "Other random numbers."};
-  Number<int> memory{this,           "memory",
-                     4096,           {"MiB", 256, 1 << 20, true},
-                     Stage::relight, "Most that the objects of all points may hold; a relight that needs more is refused."};
+  Number<int> memory = Number<int>(this, "memory", 4096, {"MiB", 256, 1 << 20, true}, Stage::relight,
+                                   "Most that the objects of all points may hold; a relight that needs more is refused.");
 
  public:
-  Support supports(const Scene& scene, const Light& light, const View& view) const override;
-  void setup() override;
-  void build(const Scene& scene) override;
-  void relight(const Light& light) override;
-  void resolve(const GBuffer& gbuffer, VisibilityMask& mask) override;
-  Counts counts() const override;
-  std::unique_ptr<Technique> for_another_light() const override;
-  std::optional<Explanation> explain(std::size_t index) const override;
+  Support supports(const Scene& scene, const Light& light, const View& view) const override {
+    if (!has_area(light))
+      return Support::unsupported(fmt::format("the light has no area: its shadows are hard, see {}", of.text()));
+    if (object_count() > most_objects)
+      return Support::unsupported(fmt::format("pattern {} of {} points needs {} objects of {}; at most {}: {} points",
+                                              pattern.text(), samples.value(), object_count(), of.text(), most_objects,
+                                              most_objects / set_count()));
+    // Only some of the points are tested: one test may take as long as a stage.
+    constexpr std::size_t most_asked = 16;
+    const std::vector<glm::vec3> points = points_of(light);
+    const std::size_t asked = std::min(points.size(), most_asked);
+    struct Answer {
+      std::size_t count = 0;
+      std::string why;  // of the first one
+    };
+    Answer refused, approximate;
+    for (std::size_t k = 0; k < asked; ++k) {
+      const Light point{.name = light.name, .kind = PointLight{points[k * points.size() / asked]}};
+      const Support support = of.technique().supports(scene, point, view);
+      if (support.kind() == Support::Kind::full) continue;
+      auto& answer = support ? approximate : refused;
+      ++answer.count;
+      if (answer.why.empty()) answer.why = support.why();
+    }
+    const auto reason = [&](const auto& answer) {
+      return fmt::format(
+          "{} from {}: {}", of.text(),
+          answer.count == asked ? "points of the light" : fmt::format("{} of {} points asked", answer.count, asked),
+          answer.why);
+    };
+    if (refused.count > 0) return Support::unsupported(reason(refused));
+    return approximate.count > 0 ? Support::approximate(reason(approximate)) : Support::full();
+  }
+  void setup() override {
+    made_->objects.emplace(of.entry(), of.technique().settings());
+    ++made_->setup_count;
+    objects_for(Stage::setup).each(Stage::setup, [](Technique& object, std::size_t) { object.setup(); });
+  }
+  void build(const Scene& scene) override {
+    made_->scene = &scene;
+    objects_for(Stage::build).each(Stage::build, [&](Technique& object, std::size_t) { object.build(scene); });
+  }
+  void relight(const Light& light) override {
+    light_ = light;
+    sets_ = set_count();
+    points_.clear();
+    for (const glm::vec3& point : points_of(light)) points_.push_back({.name = light.name, .kind = PointLight{point}});
+    double held = 0;
+    LightObjects& all = objects_for(Stage::relight);
+    all.each(Stage::relight, [&](Technique& object, std::size_t k) {
+      object.relight(points_[k]);
+      for (const Count& count : object.counts())
+        if (count.name == "bytes") held += count.value;
+      if (held > memory * MiB)
+        throw Error("{}.memory = {} MiB is not enough for {} objects of {}: {} of them hold {:.0f} MiB", id(), memory.value(),
+                    all.count(), of.text(), k + 1, held / MiB);
+    });
+  }
+  void resolve(const GBuffer& gbuffer, VisibilityMask& mask) override {
+    gbuffer_ = &gbuffer;
+    kept_.clear();
+    objects().set(of.technique().settings());
+    sums_.assign(gbuffer.size(), 0);
+    weights_.assign(gbuffer.size(), 0);
+    std::vector<PointWeights> weights;
+    weights.reserve(gbuffer.size());
+    for (std::size_t i = 0; i < gbuffer.size(); ++i) weights.emplace_back(light_, gbuffer.position(i), gbuffer.normal(i));
+    const std::size_t in_set = points_.size() / static_cast<std::size_t>(sets_);
+    each_mask([&](std::size_t k, std::span<const float> seen) {
+      const glm::vec3 point = std::get<PointLight>(points_[k].kind).position;
+      for_blocks(gbuffer.size(), 4096, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+          if (!(seen[i] >= 0 && seen[i] <= 1))
+            throw Error("mask value {} of {} at pixel {} is outside 0 .. 1, from point {} of the light", seen[i], of.text(), i,
+                        k + 1);
+          if (sets_ > 1 && set_of(i) != k / in_set) continue;
+          const float weight = weights[i].at(point);
+          sums_[i] += weight * seen[i];
+          weights_[i] += weight;
+        }
+      });
+    });
+    const std::span<float> pixels = mask.pixels();
+    // No sum is above that of the weights, since rounding keeps the order of its terms; where every point is seen the two are
+    // the same numbers added up in the same order, and their ratio is 1.
+    for (std::size_t i = 0; i < pixels.size(); ++i) pixels[i] = weights_[i] > 0 ? sums_[i] / weights_[i] : 1.0f;
+  }
+  Counts counts() const override {
+    Counts all = objects().counts();
+    const double mask_bytes = static_cast<double>(weights_.size()) * (of.entry().about.needs_gl ? 8 : 4);
+    const double own = static_cast<double>(bytes_of(sums_, weights_, points_)) + mask_bytes;
+    const auto bytes = std::ranges::find(all, "bytes", &Count::name);
+    if (bytes != all.end())
+      bytes->value += own;
+    else
+      all.push_back({"bytes", own, "byte"});
+    all.push_back({"light_points", static_cast<double>(points_.size()), ""});
+    return all;
+  }
+  std::unique_ptr<Technique> for_another_light() const override {
+    return of.technique().for_another_light() ? another(*this, &AveragedHard::made_) : nullptr;
+  }
+  std::optional<Explanation> explain(std::size_t index) const override {
+    Explanation why;
+    const GBuffer& g = *gbuffer_;
+    if (!faces_light(*made_->scene, g, light_, index)) return why;
+    keep_masks();
+    const PointWeights weights(light_, g.position(index), g.normal(index));
+    const std::size_t in_set = points_.size() / static_cast<std::size_t>(sets_), first = set_of(index) * in_set;
+    // What the hard technique leaves out, it leaves out from all points.
+    if (const auto hard = objects()[first].explain(index); hard && !hard->covered) {
+      why.covered = false;
+      return why;
+    }
+    double sum = 0;
+    for (std::size_t k = first; k < first + in_set; ++k) {
+      const glm::vec3 point = std::get<PointLight>(points_[k].kind).position;
+      const float weight = weights.at(point);
+      if (weight > 0) why.samples.push_back({.place = point, .weight = weight, .visibility = kept_.at(k, index)});
+      sum += weight;
+    }
+    for (LightSample& sample : why.samples) sample.weight /= sum;
+    return why;
+  }
   std::vector<DebugLayer> debug_layers() const override {
     return {{"hard", "The scene with the hard shadows of the first point of the light."},
             {"edges",
@@ -77,7 +187,18 @@ class AveragedHard final : public Technique {
              "colors as in the legend. Bands of gray between them are what too few points leave of a penumbra.",
              heat_legend()}};
   }
-  std::vector<float> draw_debug(std::string_view layer) const override;
+  std::vector<float> draw_debug(std::string_view layer) const override {
+    const GBuffer& g = *gbuffer_;
+    if (layer == "hard") {
+      objects()[0].resolve(g, *mask_);
+      return shaded_layer(*made_->scene, g, points_[0], mask_->read());
+    }
+    if (layer != "edges") return Technique::draw_debug(layer);
+    keep_masks();
+    std::vector<float> values(g.size());
+    for (std::size_t i = 0; i < g.size(); ++i) values[i] = edge_count(i);
+    return heat_layer(g, values);
+  }
 
  private:
   struct Made {
@@ -89,19 +210,67 @@ class AveragedHard final : public Technique {
   int set_count() const { return pattern.is("interleaved") ? 16 : 1; }
   int object_count() const { return samples * set_count(); }
   /// Of set after set.
-  std::vector<glm::vec3> points_of(const Light& light) const;
+  std::vector<glm::vec3> points_of(const Light& light) const {
+    std::vector<glm::vec3> all;
+    for (int set = 0; set < set_count(); ++set) {
+      const std::vector<glm::vec3> some =
+          light_points(light, pattern.value(), samples, places_seed(seed, static_cast<std::uint64_t>(set)));
+      all.insert(all.end(), some.begin(), some.end());
+    }
+    return all;
+  }
   /// As many objects as there are points, with the present settings; what is new and whole is brought up to a stage.
-  LightObjects& objects_for(Stage stage);
+  LightObjects& objects_for(Stage stage) {
+    const std::string settings = of.technique().settings();
+    if (made_.is_guest() && (!guests_ || guests_setup_ != made_->setup_count)) {
+      guests_.emplace(of.entry(), settings, (*made_->objects)[0]);
+      guests_setup_ = made_->setup_count;
+    }
+    LightObjects& all = objects();
+    all.set(settings);
+    const std::size_t before = all.count();
+    if (all.hold(static_cast<std::size_t>(object_count())))
+      for (std::size_t k = before; k < all.count(); ++k) {
+        if (stage > Stage::setup) all[k].setup();
+        if (stage > Stage::build) all[k].build(*made_->scene);
+      }
+    return all;
+  }
   LightObjects& objects() const { return made_.is_guest() ? *guests_ : *made_->objects; }
-  std::uint32_t set_of(std::size_t pixel) const;
+  std::uint32_t set_of(std::size_t pixel) const {
+    if (sets_ == 1) return 0;
+    const std::size_t width = static_cast<std::size_t>(gbuffer_->width);
+    return interleaved_set(pixel % width, pixel / width);
+  }
   /// Resolves every object: use(number of the point, its mask).
   template <class Use>
-  void each_mask(const Use& use) const;
+  void each_mask(const Use& use) const {
+    if (!mask_ || mask_->width() != gbuffer_->width || mask_->height() != gbuffer_->height)
+      mask_.emplace(gbuffer_->width, gbuffer_->height);
+    for (std::size_t k = 0; k < points_.size(); ++k) {
+      objects()[k].resolve(*gbuffer_, *mask_);
+      use(k, mask_->read());
+    }
+  }
   void keep_masks() const {
     if (kept_.empty()) each_mask([&](std::size_t, std::span<const float> seen) { kept_.add(seen); });
   }
   /// Points of the light whose masks tell a pixel from the one right of it or below it.
-  float edge_count(std::size_t pixel) const;
+  float edge_count(std::size_t pixel) const {
+    const GBuffer& g = *gbuffer_;
+    const std::size_t width = static_cast<std::size_t>(g.width), right = pixel + 1, below = pixel + width;
+    const auto is_asked = [&](std::size_t i) { return faces_light(*made_->scene, g, light_, i); };
+    const auto is_beside = [&](std::size_t i) { return is_asked(i) && g.mesh[i] == g.mesh[pixel]; };
+    if (!is_asked(pixel)) return 0;
+    const bool has_right = right % width != 0 && is_beside(right), has_below = below < g.size() && is_beside(below);
+    const std::size_t in_set = points_.size() / static_cast<std::size_t>(sets_), first = set_of(pixel) * in_set;
+    float count = 0;
+    for (std::size_t k = first; k < first + in_set; ++k) {
+      const auto differs = [&](std::size_t i) { return std::abs(kept_.at(k, i) - kept_.at(k, pixel)) > 0.5; };
+      count += (has_right && differs(right)) || (has_below && differs(below)) ? 1.0f : 0.0f;
+    }
+    return count;
+  }
 
   Shared<Made> made_;
   mutable std::optional<LightObjects> guests_;
@@ -114,207 +283,6 @@ class AveragedHard final : public Technique {
   std::vector<float> sums_, weights_;           // of each pixel
   mutable KeptMasks kept_;                      // made by the first `explain`
 };
-
-std::vector<glm::vec3> AveragedHard::points_of(const Light& light) const {
-  std::vector<glm::vec3> all;
-  for (int set = 0; set < set_count(); ++set) {
-    const std::vector<glm::vec3> some =
-        light_points(light, pattern.value(), samples, places_seed(seed, static_cast<std::uint64_t>(set)));
-    all.insert(all.end(), some.begin(), some.end());
-  }
-  return all;
-}
-
-Support AveragedHard::supports(const Scene& scene, const Light& light, const View& view) const {
-  if (!has_area(light))
-    return Support::unsupported(fmt::format("the light has no area: its shadows are hard, see {}", of.text()));
-  if (object_count() > most_objects)
-    return Support::unsupported(fmt::format("pattern {} of {} points needs {} objects of {}; at most {}: {} points",
-                                            pattern.text(), samples.value(), object_count(), of.text(), most_objects,
-                                            most_objects / set_count()));
-  // Some of the points stand for all: the question may take as long as a stage.
-  constexpr std::size_t most_asked = 16;
-  const std::vector<glm::vec3> all = points_of(light);
-  std::vector<glm::vec3> points;
-  for (std::size_t k = 0; k < std::min(all.size(), most_asked); ++k)
-    points.push_back(all[k * all.size() / std::min(all.size(), most_asked)]);
-  std::size_t refused = 0, approximate = 0;
-  std::string why_refused, why_approximate;
-  for (const glm::vec3& point : points) {
-    const Support support = of.technique().supports(scene, {.name = light.name, .kind = PointLight{point}}, view);
-    if (support.kind() == Support::Kind::full) continue;
-    const bool is_refused = !support;
-    ++(is_refused ? refused : approximate);
-    if (std::string& why = is_refused ? why_refused : why_approximate; why.empty()) why = support.why();
-  }
-  const auto reason = [&](std::size_t count, const std::string& why) {
-    return fmt::format(
-        "{} from {}: {}", of.text(),
-        count == points.size() ? "points of the light" : fmt::format("{} of {} points asked", count, points.size()), why);
-  };
-  if (refused > 0) return Support::unsupported(reason(refused, why_refused));
-  return approximate > 0 ? Support::approximate(reason(approximate, why_approximate)) : Support::full();
-}
-
-LightObjects& AveragedHard::objects_for(Stage stage) {
-  const std::string settings = of.technique().settings();
-  if (made_.is_guest() && (!guests_ || guests_setup_ != made_->setup_count)) {
-    guests_.emplace(of.entry(), settings, (*made_->objects)[0]);
-    guests_setup_ = made_->setup_count;
-  }
-  LightObjects& all = objects();
-  all.set(settings);
-  const std::size_t before = all.count();
-  if (all.hold(static_cast<std::size_t>(object_count())))
-    for (std::size_t k = before; k < all.count(); ++k) {
-      if (stage > Stage::setup) all[k].setup();
-      if (stage > Stage::build) all[k].build(*made_->scene);
-    }
-  return all;
-}
-
-void AveragedHard::setup() {
-  made_->objects.emplace(of.entry(), of.technique().settings());
-  ++made_->setup_count;
-  objects_for(Stage::setup).each(Stage::setup, [](Technique& object, std::size_t) { object.setup(); });
-}
-
-void AveragedHard::build(const Scene& scene) {
-  made_->scene = &scene;
-  objects_for(Stage::build).each(Stage::build, [&](Technique& object, std::size_t) { object.build(scene); });
-}
-
-void AveragedHard::relight(const Light& light) {
-  light_ = light;
-  sets_ = set_count();
-  points_.clear();
-  for (const glm::vec3& point : points_of(light)) points_.push_back({.name = light.name, .kind = PointLight{point}});
-  double held = 0;
-  LightObjects& all = objects_for(Stage::relight);
-  all.each(Stage::relight, [&](Technique& object, std::size_t k) {
-    object.relight(points_[k]);
-    for (const Count& count : object.counts())
-      if (count.name == "bytes") held += count.value;
-    if (held > memory * MiB)
-      throw Error("{}.memory = {} MiB is not enough for {} objects of {}: {} of them hold {:.0f} MiB", id(), memory.value(),
-                  all.count(), of.text(), k + 1, held / MiB);
-  });
-}
-
-std::uint32_t AveragedHard::set_of(std::size_t pixel) const {
-  if (sets_ == 1) return 0;
-  const std::size_t width = static_cast<std::size_t>(gbuffer_->width);
-  return interleaved_set(pixel % width, pixel / width);
-}
-
-template <class Use>
-void AveragedHard::each_mask(const Use& use) const {
-  if (!mask_ || mask_->width() != gbuffer_->width || mask_->height() != gbuffer_->height)
-    mask_.emplace(gbuffer_->width, gbuffer_->height);
-  for (std::size_t k = 0; k < points_.size(); ++k) {
-    objects()[k].resolve(*gbuffer_, *mask_);
-    use(k, mask_->read());
-  }
-}
-
-void AveragedHard::resolve(const GBuffer& gbuffer, VisibilityMask& mask) {
-  gbuffer_ = &gbuffer;
-  kept_.clear();
-  objects().set(of.technique().settings());
-  sums_.assign(gbuffer.size(), 0);
-  weights_.assign(gbuffer.size(), 0);
-  std::vector<PointWeights> weights;
-  weights.reserve(gbuffer.size());
-  for (std::size_t i = 0; i < gbuffer.size(); ++i) weights.emplace_back(light_, gbuffer.position(i), gbuffer.normal(i));
-  const std::size_t in_set = points_.size() / static_cast<std::size_t>(sets_);
-  each_mask([&](std::size_t k, std::span<const float> seen) {
-    const glm::vec3 point = std::get<PointLight>(points_[k].kind).position;
-    for_blocks(gbuffer.size(), 4096, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i) {
-        if (!(seen[i] >= 0 && seen[i] <= 1))
-          throw Error("mask value {} of {} at pixel {} is outside 0 .. 1, from point {} of the light", seen[i], of.text(), i,
-                      k + 1);
-        if (sets_ > 1 && set_of(i) != k / in_set) continue;
-        const float weight = weights[i].at(point);
-        sums_[i] += weight * seen[i];
-        weights_[i] += weight;
-      }
-    });
-  });
-  const std::span<float> pixels = mask.pixels();
-  // No sum is above that of the weights, since rounding keeps the order of its terms; where every point is seen the two are the
-  // same numbers added up in the same order, and their ratio is 1.
-  for (std::size_t i = 0; i < pixels.size(); ++i) pixels[i] = weights_[i] > 0 ? sums_[i] / weights_[i] : 1.0f;
-}
-
-Counts AveragedHard::counts() const {
-  Counts all = objects().counts();
-  const double mask_bytes = static_cast<double>(weights_.size()) * (of.entry().about.needs_gl ? 8 : 4);
-  const double own = static_cast<double>(bytes_of(sums_, weights_, points_)) + mask_bytes;
-  const auto bytes = std::ranges::find(all, "bytes", &Count::name);
-  if (bytes != all.end())
-    bytes->value += own;
-  else
-    all.push_back({"bytes", own, "byte"});
-  all.push_back({"light_points", static_cast<double>(points_.size()), ""});
-  return all;
-}
-
-std::unique_ptr<Technique> AveragedHard::for_another_light() const {
-  return of.technique().for_another_light() ? another(*this, &AveragedHard::made_) : nullptr;
-}
-
-std::optional<Explanation> AveragedHard::explain(std::size_t index) const {
-  Explanation why;
-  const GBuffer& g = *gbuffer_;
-  if (!faces_light(*made_->scene, g, light_, index)) return why;
-  keep_masks();
-  const PointWeights weights(light_, g.position(index), g.normal(index));
-  const std::size_t in_set = points_.size() / static_cast<std::size_t>(sets_), first = set_of(index) * in_set;
-  // What the hard technique leaves out, it leaves out from all points.
-  if (const auto hard = objects()[first].explain(index); hard && !hard->covered) {
-    why.covered = false;
-    return why;
-  }
-  double sum = 0;
-  for (std::size_t k = first; k < first + in_set; ++k) {
-    const glm::vec3 point = std::get<PointLight>(points_[k].kind).position;
-    const float weight = weights.at(point);
-    if (weight > 0) why.samples.push_back({.place = point, .weight = weight, .visibility = kept_.at(k, index)});
-    sum += weight;
-  }
-  for (LightSample& sample : why.samples) sample.weight /= sum;
-  return why;
-}
-
-float AveragedHard::edge_count(std::size_t pixel) const {
-  const GBuffer& g = *gbuffer_;
-  const std::size_t width = static_cast<std::size_t>(g.width), right = pixel + 1, below = pixel + width;
-  const auto is_asked = [&](std::size_t i) { return faces_light(*made_->scene, g, light_, i); };
-  const auto is_beside = [&](std::size_t i) { return is_asked(i) && g.mesh[i] == g.mesh[pixel]; };
-  if (!is_asked(pixel)) return 0;
-  const bool has_right = right % width != 0 && is_beside(right), has_below = below < g.size() && is_beside(below);
-  const std::size_t in_set = points_.size() / static_cast<std::size_t>(sets_), first = set_of(pixel) * in_set;
-  float count = 0;
-  for (std::size_t k = first; k < first + in_set; ++k) {
-    const auto differs = [&](std::size_t i) { return std::abs(kept_.at(k, i) - kept_.at(k, pixel)) > 0.5; };
-    count += (has_right && differs(right)) || (has_below && differs(below)) ? 1.0f : 0.0f;
-  }
-  return count;
-}
-
-std::vector<float> AveragedHard::draw_debug(std::string_view layer) const {
-  const GBuffer& g = *gbuffer_;
-  if (layer == "hard") {
-    objects()[0].resolve(g, *mask_);
-    return shaded_layer(*made_->scene, g, points_[0], mask_->read());
-  }
-  if (layer != "edges") return Technique::draw_debug(layer);
-  keep_masks();
-  std::vector<float> values(g.size());
-  for (std::size_t i = 0; i < g.size(); ++i) values[i] = edge_count(i);
-  return heat_layer(g, values);
-}
 
 }  // namespace
 

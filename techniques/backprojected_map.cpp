@@ -24,20 +24,12 @@ constexpr About about{
     .floor = Floor::depth_draw};
 
 class BackprojectedMap final : public AreaMap {
+  Choice joints = Choice(this, "joints", "snapped", {"none", "extended", "snapped"}, Stage::setup,
+                         "Patches side by side that both hide the light: left as they are; the gap between them filled; or "
+                         "the one's edge put on the other's, also where they overlap.");
+
  public:
   BackprojectedMap() : AreaMap({.resolution = 512, .most_radius = 32}) {}
-
- private:
-  Choice joints{
-      this,
-      "joints",
-      "snapped",
-      {"none", "extended", "snapped"},
-      Stage::setup,
-      "Patches side by side that both hide the light: left as they are; the gap between them filled; or the one's edge put "
-      "on the other's, also where they overlap."};
-
- public:
   Support supports(const Scene& scene, const Light& light, const View& view) const override {
     const Support support = AreaMap::supports(scene, light, view);
     if (support && !std::holds_alternative<RectLight>(light.kind))

@@ -6,9 +6,9 @@
 // Defaults: of the settings within 3 % of the lowest mean wrong rate in suite map_defaults (results/map_defaults) the one with
 // the bias of warped_map and the lowest wrong rate in two of the three views `low`.
 //
-// placement=fitted is as tight as images can be: each holds the rectangle of what its slice shows that faces the light, and
-// slices divide the range of depths that is seen. placement=stable gives the rest of the sharpness for rest: the size of an
-// image depends on its slice alone, and its place goes in steps of a texel, so edges do not crawl while the eye moves.
+// placement=fitted is as tight as images can be: each contains the rectangle of what its slice shows that faces the light, and
+// slices divide the range of depths that is seen. placement=stable is less sharp and does not crawl: the size of an image
+// depends on its slice alone, and its place goes in steps of a texel, so edges stay the same while the eye moves.
 #include <gnomon/kit/geometry/camera.h>
 #include <gnomon/kit/maps/compared_map.h>
 #include <gnomon/registry.h>
@@ -34,18 +34,12 @@ constexpr About about{
     .floor = Floor::depth_draw};
 
 class CascadedMap final : public ComparedMap {
-  Number<int> cascades{this,           "cascades",        4, {.unit = "", .min = 1, .max = ViewSlices::most},
-                       Stage::resolve, "How many slices."};
-  Number<double> logarithmic{this,
-                             "logarithmic",
-                             0.5,
-                             {.unit = "", .min = 0, .max = 1},
-                             Stage::resolve,
-                             "How slices divide depth: 0 into equal lengths, 1 into equal ratios, between them a mean."};
-  Choice placement{
-      this,           "placement",
-      "fitted",       {"fitted", "stable"},
-      Stage::resolve, "Images hold what their slice shows, or the sphere around the slice, moved by whole texels."};
+  Number<int> cascades{this, "cascades", 4, {.min = 1, .max = ViewSlices::most}, Stage::resolve, "How many slices."};
+  Number<double> logarithmic =
+      Number<double>(this, "logarithmic", 0.5, {.min = 0, .max = 1}, Stage::resolve,
+                     "How slices divide depth: 0 into equal lengths, 1 into equal ratios, between them a mean.");
+  Choice placement = Choice(this, "placement", "fitted", {"fitted", "stable"}, Stage::resolve,
+                            "Images hold what their slice shows, or the sphere around the slice, moved by whole texels.");
 
  public:
   CascadedMap() : ComparedMap({.bias = "receiver_plane", .depth_bias = 2, .slope_bias = 1}) {}
@@ -58,42 +52,40 @@ class CascadedMap final : public ComparedMap {
 
  private:
   std::optional<LightCamera> fitted_to_scene(const Light&, const MeshBoxes&, int) const override { return std::nullopt; }
-  LightCamera fitted_to_view(const Light& light, const MeshBoxes& boxes, const GBuffer& gbuffer, int margin) const override;
+  LightCamera fitted_to_view(const Light& light, const MeshBoxes& boxes, const GBuffer& gbuffer, int margin) const override {
+    using namespace cascaded_map;
+    const View& view = gbuffer.view;
+    ViewSlices slices{.eye = view.eye, .axis = glm::normalize(glm::dvec3(view.target) - glm::dvec3(view.eye))};
+    const std::vector<glm::dvec3> points = points_facing(light, boxes, gbuffer);
+    DepthRange range = depths_of(points, slices);
+    const bool is_stable = placement.is("stable");
+    // All that is seen may have one depth, or none at all may face the light.
+    if (!(range.near < range.far)) range = range.near == range.far ? DepthRange{range.near * 0.5, range.far} : DepthRange{1, 2};
+    if (is_stable) range = quantized(range);
+    slices.ends = practical_splits(range, cascades, logarithmic);
+
+    const LightSpace space = light_space_of(light, boxes);
+    std::vector<LightExtent> seen;
+    // Of a depth that a shader computes in float32: from products and sums of coordinates as large as these.
+    const double rounding = 0x1p-20 * std::max(boxes.extent, extent(slices.eye)) + 0x1p-18 * range.far;
+    if (is_stable) {
+      const double up = std::tan(glm::radians(double(view.fov_y_degrees)) / 2),
+                   tangent = up * std::hypot(1, double(gbuffer.width) / gbuffer.height);
+      for (int i = 0; i < cascades; ++i) {
+        const DepthRange slice{i == 0 ? range.near : slices.ends[i - 1], i == cascades - 1 ? range.far : slices.ends[i]};
+        seen.push_back(stable_window(space.main(), sphere_around(slices.eye, slices.axis, tangent, slice),
+                                     image_resolution() - 2 * margin));
+      }
+    } else {
+      seen = seen_in_slices(points, space.main(), slices, rounding);
+    }
+    LightCamera camera =
+        fit_to_extents(light, space, boxes, seen, image_resolution(), margin, is_stable ? FitWindow::whole : FitWindow::shared);
+    camera.slices = slices;
+    return camera;
+  }
   LightImages images() const override { return LightImages::slices; }
 };
-
-LightCamera CascadedMap::fitted_to_view(const Light& light, const MeshBoxes& boxes, const GBuffer& gbuffer, int margin) const {
-  using namespace cascaded_map;
-  const View& view = gbuffer.view;
-  ViewSlices slices{.eye = view.eye, .axis = glm::normalize(glm::dvec3(view.target) - glm::dvec3(view.eye))};
-  const std::vector<glm::dvec3> points = points_facing(light, boxes, gbuffer);
-  DepthRange range = depths_of(points, slices);
-  const bool is_stable = placement.is("stable");
-  // All that is seen may have one depth, or none at all may face the light.
-  if (!(range.near < range.far)) range = range.near == range.far ? DepthRange{range.near * 0.5, range.far} : DepthRange{1, 2};
-  if (is_stable) range = quantized(range);
-  slices.ends = practical_splits(range, cascades, logarithmic);
-
-  const LightSpace space = light_space_of(light, boxes);
-  std::vector<LightExtent> seen;
-  // Of a depth that a shader computes in float32: the products and sums of coordinates as large as these.
-  const double rounding = 0x1p-20 * std::max(boxes.extent, extent(slices.eye)) + 0x1p-18 * range.far;
-  if (is_stable) {
-    const double up = std::tan(glm::radians(double(view.fov_y_degrees)) / 2),
-                 tangent = up * std::hypot(1, double(gbuffer.width) / gbuffer.height);
-    for (int i = 0; i < cascades; ++i) {
-      const DepthRange slice{i == 0 ? range.near : slices.ends[i - 1], i == cascades - 1 ? range.far : slices.ends[i]};
-      seen.push_back(
-          stable_window(space.main(), sphere_around(slices.eye, slices.axis, tangent, slice), image_resolution() - 2 * margin));
-    }
-  } else {
-    seen = seen_in_slices(points, space.main(), slices, rounding);
-  }
-  LightCamera camera =
-      fit_to_extents(light, space, boxes, seen, image_resolution(), margin, is_stable ? FitWindow::whole : FitWindow::shared);
-  camera.slices = slices;
-  return camera;
-}
 
 }  // namespace
 

@@ -1,6 +1,7 @@
 // Exact area: what casters leave of a light with area, by clipping its figure, from every visible point. The independent
 // witness for soft shadows: no samples, no noise, no code in common with the ray tracer.
 #include <gnomon/kit/area/area_scene.h>
+#include <gnomon/kit/counts.h>
 #include <gnomon/kit/parallel.h>
 #include <gnomon/kit/shared.h>
 #include <gnomon/registry.h>
@@ -26,44 +27,37 @@ class ExactArea final : public Technique {
     return Support::full();
   }
   void setup() override {}
-  void build(const Scene& scene) override {
-    built_->scene = &scene;
-    built_->casters.emplace(scene);
-  }
+  void build(const Scene& scene) override { casters_->emplace(scene); }
   void relight(const Light& light) override { light_ = light; }
   void resolve(const GBuffer& gbuffer, VisibilityMask& mask) override {
     constexpr std::size_t block = 32;
+    const AreaScene& casters = casters_->value();
     const std::span<float> pixels = mask.pixels();
     std::vector<AreaTally> tallies((gbuffer.size() + block - 1) / block);
     for_blocks(gbuffer.size(), block, [&](std::size_t begin, std::size_t end) {
       LightPieces pieces;
       for (std::size_t i = begin; i < end; ++i) {
         pixels[i] = 1;
-        if (gbuffer.is_background(i) || !built_->scene->meshes[gbuffer.mesh[i]].receives) continue;
-        const LightFigure face(light_, gbuffer.position(i), gbuffer.normal(i));
-        if (!face.is_seen()) continue;
-        pixels[i] = static_cast<float>(
-            built_->casters->seen(receiver_at(*built_->scene, gbuffer, i), face, pieces, tallies[begin / block]).area.best);
+        if (gbuffer.is_background(i) || !casters.scene().meshes[gbuffer.mesh[i]].receives) continue;
+        const LightFigure figure(light_, gbuffer.position(i), gbuffer.normal(i));
+        if (!figure.is_seen()) continue;
+        const Receiver receiver = receiver_at(casters.scene(), gbuffer, i);
+        pixels[i] = static_cast<float>(casters.seen(receiver, figure, pieces, tallies[begin / block]).area.best);
       }
     });
     tally_ = {};
     for (const AreaTally& tally : tallies) tally_ += tally;
   }
   Counts counts() const override {
-    const auto count = [](const char* name, std::uint64_t value) { return Count{name, static_cast<double>(value), ""}; };
-    return {count("points", tally_.points),
-            count("triangles", tally_.triangles),
-            count("pieces", tally_.pieces),
-            {"bytes", built_.own(static_cast<double>(built_->casters ? built_->casters->bytes() : 0)), "byte"}};
+    return {count_of("points", tally_.points),
+            count_of("triangles", tally_.triangles),
+            count_of("pieces", tally_.pieces),
+            {"bytes", casters_.own(static_cast<double>(*casters_ ? casters_->value().bytes() : 0)), "byte"}};
   }
-  std::unique_ptr<Technique> for_another_light() const override { return another(*this, &ExactArea::built_); }
+  std::unique_ptr<Technique> for_another_light() const override { return another(*this, &ExactArea::casters_); }
 
  private:
-  struct Built {
-    const Scene* scene = nullptr;
-    std::optional<AreaScene> casters;
-  };
-  Shared<Built> built_;
+  Shared<std::optional<AreaScene>> casters_;
   Light light_;
   AreaTally tally_;
 };

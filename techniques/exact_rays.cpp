@@ -1,5 +1,6 @@
 // Exact rays: one segment from every visible point to the light, against every triangle near it, by exact signs of
 // determinants. The independent witness for the ray tracer: no offset, no epsilon, no code in common with it.
+#include <gnomon/kit/counts.h>
 #include <gnomon/kit/geometry/exact_scene.h>
 #include <gnomon/kit/shared.h>
 #include <gnomon/registry.h>
@@ -30,12 +31,11 @@ class ExactRays final : public Technique {
     tally_ = casters_->value().decide(gbuffer, light_, mask.pixels());
   }
   Counts counts() const override {
-    const auto count = [](const char* name, std::uint64_t value) { return Count{name, static_cast<double>(value), ""}; };
-    return {count("rays", tally_.rays),
-            count("triangle_tests", tally_.triangles),
-            count("degenerate_rays", tally_.degenerate),
-            count("signs_by_int128", tally_.signs.lattice),
-            count("signs_by_gmp", tally_.signs.big),
+    return {count_of("rays", tally_.rays),
+            count_of("triangle_tests", tally_.triangles),
+            count_of("degenerate_rays", tally_.degenerate),
+            count_of("signs_by_int128", tally_.signs.lattice),
+            count_of("signs_by_gmp", tally_.signs.big),
             {"bytes", casters_.own(static_cast<double>(*casters_ ? casters_->value().bytes() : 0)), "byte"}};
   }
   std::unique_ptr<Technique> for_another_light() const override { return another(*this, &ExactRays::casters_); }

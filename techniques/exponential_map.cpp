@@ -1,4 +1,4 @@
-// Exponential shadow map: a texel holds an exponential of depth, whose mean tells how much of the light arrives.
+// Exponential shadow map: a texel holds an exponential of depth, whose mean gives how much of the light arrives.
 #include <gnomon/kit/maps/filtered_map.h>
 #include <gnomon/registry.h>
 
@@ -19,12 +19,8 @@ constexpr About about{
 class ExponentialMap final : public FilteredMap {
   // exp(88.7) is the largest float32, and exp(-87.3) the least that every device keeps. A blur adds up to no more than its
   // largest texel.
-  Number<double> exponent{this,
-                          "exponent",
-                          80,
-                          {.unit = "", .min = 1, .max = 87},
-                          Stage::relight,
-                          "How steep the exponential is, over the image's depth range."};
+  Number<double> exponent = Number<double>(this, "exponent", 80, {.min = 1, .max = 87}, Stage::relight,
+                                           "How steep the exponential is, over the image's depth range.");
 
  public:
   std::unique_ptr<Technique> for_another_light() const override { return another(*this, &ExponentialMap::made_); }

@@ -21,21 +21,12 @@ constexpr About about{
 class ExponentialVarianceMap final : public FilteredMap {
   Choice components{this, "components", "4", {"2", "4"}, Stage::setup, "Moments of the first warp alone, or of both."};
   // The square of a warp must be a float32: exp(2 * 42) = 3.03e36.
-  Number<double> exponent{
-      this, "exponent", 40, {.unit = "", .min = 1, .max = 42}, Stage::relight, "Of the first warp, exp(exponent t)."};
-  Number<double> negative_exponent{this,
-                                   "negative_exponent",
-                                   5,
-                                   {.unit = "", .min = 1, .max = 35},
-                                   Stage::relight,
-                                   "Of the second warp, -exp(-negative_exponent t); for components=4."};
-  Number<double> least_deviation{
-      this,
-      "least_deviation",
-      0.1,
-      {.unit = "permille", .min = 0, .max = 100},
-      Stage::resolve,
-      "Depths count as spread by at least this share of the image's depth range, against rounding and acne."};
+  Number<double> exponent{this, "exponent", 40, {.min = 1, .max = 42}, Stage::relight, "Of the first warp, exp(exponent t)."};
+  Number<double> negative_exponent = Number<double>(this, "negative_exponent", 5, {.min = 1, .max = 35}, Stage::relight,
+                                                    "Of the second warp, -exp(-negative_exponent t); for components=4.");
+  Number<double> least_deviation =
+      Number<double>(this, "least_deviation", 0.1, {.unit = "permille", .min = 0, .max = 100}, Stage::resolve,
+                     "Depths count as spread by at least this share of the image's depth range, against rounding and acne.");
 
  public:
   std::unique_ptr<Technique> for_another_light() const override { return another(*this, &ExponentialVarianceMap::made_); }

@@ -1,4 +1,4 @@
-// Moment shadow map: a texel holds four powers of depth, so that means of texels tell where two layers of depth lie.
+// Moment shadow map: a texel holds four powers of depth, so that means of texels determine where two layers of depth lie.
 #include <gnomon/kit/maps/filtered_map.h>
 #include <gnomon/registry.h>
 
@@ -21,14 +21,10 @@ constexpr About about{
     .floor = Floor::depth_draw};
 
 class MomentMap final : public FilteredMap {
-  Number<double> moment_bias{
-      this,
-      "moment_bias",
-      3e-5,
-      {.unit = "", .min = 3e-6, .max = 0.1, .log = true},
-      Stage::resolve,
+  Number<double> moment_bias = Number<double>(
+      this, "moment_bias", 3e-5, {.min = 3e-6, .max = 0.1, .log = true}, Stage::resolve,
       "Share of the moments that is replaced by those of depth spread evenly over both ends, against rounding; bits=16 and "
-      "prefilter=table, which round more, add to it."};
+      "prefilter=table, which round more, add to it.");
 
  public:
   std::unique_ptr<Technique> for_another_light() const override { return another(*this, &MomentMap::made_); }

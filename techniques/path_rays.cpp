@@ -31,20 +31,13 @@ constexpr About about{
 class PathRays final : public Technique {
  public:
   Number<int> samples{this, "samples", 64, {"path", 16, 4096, true}, Stage::resolve, "Light paths of a pixel."};
-  Choice ending{
-      this,
-      "ending",
-      "roulette",
-      {"roulette", "bounces"},
-      Stage::resolve,
-      "What ends a path: chance, the sooner the darker its surfaces, so that all light counts on the mean; or a number "
-      "of bounces."};
-  Number<int> bounces{this,
-                      "bounces",
-                      4,
-                      {"", 0, 100},
-                      Stage::resolve,
-                      "That number: how often light is sent on before it comes to what is seen; 0: direct light alone."};
+  Choice ending =
+      Choice(this, "ending", "roulette", {"roulette", "bounces"}, Stage::resolve,
+             "What ends a path: chance, the sooner the darker its surfaces, so that all light counts on the mean; or a number "
+             "of bounces.");
+  Number<int> bounces =
+      Number<int>(this, "bounces", 4, {"", 0, 100}, Stage::resolve,
+                  "That number: how often light is sent on before it comes to what is seen; 0: direct light alone.");
   Number<int> seed{this, "seed", 1, {"", 0, 1000000}, Stage::resolve, "Other random numbers."};
 
   Support supports(const Scene& scene, const Light& light, const View&) const override {
@@ -81,13 +74,12 @@ class PathRays final : public Technique {
     Explanation why;
     if (!receives(index)) return why;
     double sum = 0;
-    const auto take = [&](const LightFigure& face, const Squares& squares, const FaceHits& hits) {
+    const auto take = [&](const LightFigure& figure, const Squares& squares, const FaceHits& hits) {
       for (std::uint32_t left = hits.asked; left; left &= left - 1) {
         const int k = std::countr_zero(left);
-        const LightFigure::Box& box = face.box();
-        const glm::dvec2 place = box.low + glm::dvec2(squares.x[k], squares.y[k]) * (box.high - box.low);
+        const glm::dvec2 place = figure.box().at({squares.x[k], squares.y[k]});
         why.samples.push_back(
-            {glm::dvec3(gbuffer_->position(index)) + face.at(place), hits.weight[k], hits.blocked >> k & 1 ? 0.0 : 1.0});
+            {glm::dvec3(gbuffer_->position(index)) + figure.at(place), hits.weight[k], hits.blocked >> k & 1 ? 0.0 : 1.0});
         sum += hits.weight[k];
       }
     };

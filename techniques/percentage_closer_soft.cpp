@@ -1,5 +1,5 @@
-// Percentage-closer soft shadows: what lies before a point tells how wide its penumbra is, and so over how many texels the
-// comparisons with one depth image are averaged.
+// Percentage-closer soft shadows: the casters before a point determine how wide its penumbra is, and so over how many texels
+// the comparisons with one depth image are averaged.
 #include <gnomon/kit/maps/area_map.h>
 #include <gnomon/registry.h>
 
@@ -25,40 +25,54 @@ constexpr About about{
     .needs_gl = true,
     .floor = Floor::depth_draw};
 
+/// Places of the light that the shader samples.
+std::vector<glm::dvec2> places(bool is_disc, int count, double turn) {
+  std::vector<glm::dvec2> all;
+  for (int k = 0; k < count; ++k) {
+    const double angle = 2 * std::numbers::pi * turn + k * std::numbers::pi * (3 - std::sqrt(5.0));
+    const glm::dvec2 square =
+        glm::fract(0.5 + turn * glm::dvec2(1, 1.6180340) + double(k) * glm::dvec2(0.75487767, 0.56984029));
+    all.push_back(is_disc ? std::sqrt((k + 0.5) / count) * glm::dvec2(std::cos(angle), std::sin(angle)) : 2.0 * square - 1.0);
+  }
+  return all;
+}
+
 class PercentageCloserSoft final : public AreaMap {
+  Number<int> search_taps =
+      Number<int>(this, "search_taps", 16, {.min = 1, .max = 256, .log = true}, Stage::resolve,
+                  "Texels that are searched for casters, spread over those that may hide some of the light.");
+  Number<int> filter_taps = Number<int>(this, "filter_taps", 32, {.min = 1, .max = 1024, .log = true}, Stage::resolve,
+                                        "Comparisons, spread over the figure of the light as wide as the penumbra.");
+  Choice pattern =
+      Choice(this, "pattern", "turned", {"shared", "turned"}, Stage::setup,
+             "Where taps go: alike at all pixels, or turned (rectangles: shifted) anew at each, noise in place of steps.");
+  Choice search = Choice(this, "search", "nearest", {"near_plane", "nearest"}, Stage::setup,
+                         "How far casters are searched: as far as one at the image's near end, or as the nearest one there "
+                         "is, can hide anything.");
+
  public:
   PercentageCloserSoft() : AreaMap({.resolution = 1024, .most_radius = 64}) {}
-
- private:
-  Number<int> search_taps{this,
-                          "search_taps",
-                          16,
-                          {.unit = "", .min = 1, .max = 256, .log = true},
-                          Stage::resolve,
-                          "Texels that are searched for casters, spread over those that may hide some of the light."};
-  Number<int> filter_taps{this,
-                          "filter_taps",
-                          32,
-                          {.unit = "", .min = 1, .max = 1024, .log = true},
-                          Stage::resolve,
-                          "Comparisons, spread over the figure of the light as wide as the penumbra."};
-  Choice pattern{this,
-                 "pattern",
-                 "turned",
-                 {"shared", "turned"},
-                 Stage::setup,
-                 "Where taps go: alike at all pixels, or turned (rectangles: shifted) anew at each, noise in place of steps."};
-  Choice search{this,
-                "search",
-                "nearest",
-                {"near_plane", "nearest"},
-                Stage::setup,
-                "How far casters are searched: as far as one at the image's near end, or as the nearest one there is, can hide "
-                "anything."};
-
- public:
   std::unique_ptr<Technique> for_another_light() const override { return another(*this, &PercentageCloserSoft::made_); }
-  std::optional<Explanation> explain(std::size_t index) const override;
+  /// The taps are those of the filter, or of a search that found nothing. Where the center is below the point's horizon there
+  /// is no ray from it to the point's lit side, and the mask alone shows what is wrong.
+  std::optional<Explanation> explain(std::size_t index) const override {
+    if (!faces(index)) return Explanation();
+    const AreaPoint p = point(index);
+    if (p.image->layer < 0 || !(p.facing > 0)) return Explanation();
+    const glm::vec4 account = accounts()[index];
+    const bool is_search = account.z <= 0;
+    Explanation why;
+    why.texel_width = p.image->largest_texel(p.seen);
+    const double stretch = glm::length(p.seen) / p.seen.z;
+    why.bias = (p.bias + (p.facing * p.seen.z - p.depth) / p.facing) * stretch;
+    for (const glm::dvec2& place : places(p.is_disc, is_search ? search_taps : filter_taps, account.w)) {
+      if (!is_search && !p.is_above_horizon(place)) continue;
+      const glm::dvec2 at = glm::dvec2(account) + p.offset(std::abs(account.z), place);
+      why.taps.push_back(camera().tap(*p.image, depths(), glm::ivec2(glm::floor(at)), 1));
+    }
+    for (Tap& tap : why.taps) tap.weight = 1.0 / double(why.taps.size());
+    return why;
+  }
 
  private:
   std::string body() const override {
@@ -70,42 +84,6 @@ class PercentageCloserSoft final : public AreaMap {
     program.set_if_used("filter_taps", filter_taps.value());
   }
 };
-
-/// As the shader has them.
-std::vector<glm::dvec2> places(bool is_disc, int count, double turn) {
-  std::vector<glm::dvec2> all;
-  for (int k = 0; k < count; ++k) {
-    if (is_disc) {
-      const double angle = 2 * std::numbers::pi * turn + k * std::numbers::pi * (3 - std::sqrt(5.0));
-      all.push_back(std::sqrt((k + 0.5) / count) * glm::dvec2(std::cos(angle), std::sin(angle)));
-    } else {
-      all.push_back(2.0 * glm::fract(0.5 + turn * glm::dvec2(1, 1.6180340) + double(k) * glm::dvec2(0.75487767, 0.56984029)) -
-                    1.0);
-    }
-  }
-  return all;
-}
-
-/// The taps are those of the filter, or of a search that found nothing. Where the center is below the point's horizon there is
-/// no ray from it to the point's lit side, and the mask alone tells what is wrong.
-std::optional<Explanation> PercentageCloserSoft::explain(std::size_t index) const {
-  if (!faces(index)) return Explanation();
-  const AreaPoint p = point(index);
-  if (p.image->layer < 0 || !(p.facing > 0)) return Explanation();
-  const glm::vec4 account = accounts()[index];
-  const bool is_search = account.z <= 0;
-  Explanation why;
-  why.texel_width = p.image->largest_texel(p.seen);
-  const double stretch = glm::length(p.seen) / p.seen.z;
-  why.bias = (p.bias + (p.facing * p.seen.z - p.depth) / p.facing) * stretch;
-  for (const glm::dvec2& place : places(p.is_disc, is_search ? search_taps : filter_taps, account.w)) {
-    if (!is_search && !p.is_above_horizon(place)) continue;
-    const glm::dvec2 at = glm::dvec2(account) + p.offset(std::abs(account.z), place);
-    why.taps.push_back(camera().tap(*p.image, depths(), glm::ivec2(glm::floor(at)), 1));
-  }
-  for (Tap& tap : why.taps) tap.weight = 1.0 / double(why.taps.size());
-  return why;
-}
 
 }  // namespace
 

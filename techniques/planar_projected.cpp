@@ -4,8 +4,6 @@
 #include <gnomon/kit/shared.h>
 #include <gnomon/registry.h>
 
-#include <algorithm>
-
 #include "planar_projected/shaders.h"
 
 namespace {
@@ -31,15 +29,15 @@ constexpr About about{
 // behind the plane (false shadow) and behind the light (anti-shadow) are clipped, and so are triangles that pass the one or the
 // other, before anything is divided.
 //
-// Each pixel knows its receiver plane, and each plane takes all casters on its light's side: receivers end where they end,
-// occlude each other, and have the shadows of what stands on them. A pixel is dark or it is not, however many triangles cover
-// it. Two settings do what textbooks warn of:
+// Each pixel stores its receiver plane, and each plane receives the shadows of all casters on its light's side. So receivers
+// end where they end, hide each other, and have the shadows of objects on them. A pixel is dark or it is not, however many
+// triangles cover it. Two settings do what textbooks warn of:
 //   unclipped     divides by w and clips nothing. A caster behind the light casts a mirrored anti-shadow, one behind the plane
 //                 a false shadow, a triangle through the light's height the wrong part of its plane. Whatever lies behind a
 //                 plane darkens it: the ground does so to every table, a solid's far sides to its near ones.
 //   double_blend  halves what is there for every triangle: n of them leave 1/2^n. A closed convex caster has n = 2, its near
 //                 side and its far one, or 1 where the plane cuts it open; where shadows overlap, they add up.
-// Where they answer otherwise than without them by more than one half, the account of a pixel says that the formula differs. A
+// Where the answer differs by more than one half from that without them, `explain` reports that the formula differs. A
 // mask of 1/2 counts as dark: double_blend shows in the mean error and in the shaded picture, hardly in wrong pixels.
 /// Casters projected onto one plane by one light.
 struct Projection : PlaneProjection {
@@ -50,14 +48,13 @@ struct Projection : PlaneProjection {
   std::vector<std::uint32_t> one_sided = {}, two_sided = {};
 };
 
-/// Receiver planes are told apart by depths that float32 holds exactly. There are at most 1000: each has its share of the area.
+/// Receiver planes differ by depths that float32 represents exactly. There are at most 1000: each has its share of the area.
 constexpr float depth_step = 0x1p-16f;
 
 class PlanarProjected final : public Technique {
-  Number<double> min_share{
-      this,         "min_share",
-      0.01,         {.min = 0.001, .max = 1, .log = true},
-      Stage::build, "Least share of the receiving area that makes a set of coplanar faces a receiver plane."};
+  Number<double> min_share =
+      Number<double>(this, "min_share", 0.01, {.min = 0.001, .max = 1, .log = true}, Stage::build,
+                     "Least share of the receiving area that makes a set of coplanar faces a receiver plane.");
   Flag unclipped{this, "unclipped", false, Stage::relight,
                  "Textbook artefact: casters are divided by w and none is clipped, so that those behind the light or the plane "
                  "cast, too."};
@@ -66,13 +63,126 @@ class PlanarProjected final : public Technique {
       "Textbook artefact: every projected triangle halves what is there, so that shadows darken where they overlap."};
 
  public:
-  Support supports(const Scene& scene, const Light& light, const View&) const override;
-  void setup() override;
-  void build(const Scene& scene) override;
-  void relight(const Light& light) override;
-  void resolve(const GBuffer& gbuffer, VisibilityMask& mask) override;
-  Counts counts() const override;
-  std::optional<Explanation> explain(std::size_t index) const override;
+  Support supports(const Scene& scene, const Light& light, const View&) const override {
+    if (has_area(light)) return Support::unsupported("casters are projected from one point: lights with area have none");
+    if (const Support enough = within_limits(PlaneLookup::needs(scene)); !enough) return enough;
+    const ReceiverPlanes planes = find_receiver_planes(scene, min_share);
+    if (planes.planes.empty())
+      return Support::unsupported(fmt::format("no plane holds {} of the receiving area", min_share.value()));
+    if (planes.planar_area < planes.receiving_area * (1 - 1e-9))
+      return Support::approximate(
+          fmt::format("{:.3g} % of the receiving area lies on no receiver plane; pixels there are not covered",
+                      100 * (1 - planes.planar_area / planes.receiving_area)));
+    return Support::full();
+  }
+
+  void setup() override {
+    for (int k = 0; k < 2; ++k)
+      made_->receivers_programs[k] = pass_program("planar_projected receivers", receivers_constants,
+                                                  fmt::format("#define PLANES_FACE {}\n", k) + receivers_fragment);
+    made_->shadow_program = Program("planar_projected shadow", projection_vertex, shadow_fragment);
+    made_->unclipped_program = Program("planar_projected unclipped shadow", unclipped_vertex, shadow_fragment);
+    made_->framebuffer = make_framebuffer();
+    const Artefacts chosen{unclipped, double_blend};
+    const auto choose = [&](const Artefacts& artefacts) {
+      unclipped.set(artefacts.unclipped ? "true" : "false");
+      double_blend.set(artefacts.double_blend ? "true" : "false");
+    };
+    for (const bool clips : {false, true})
+      for (const bool blends : {false, true}) {
+        choose({!clips, blends});
+        warm_up(*this);
+      }
+    choose(chosen);
+  }
+
+  void build(const Scene& scene) override {
+    made_->scene = &scene;
+    scene_buffers(scene);
+    made_->lookup.build(scene, min_share);
+    made_->extent = scene.bounds().extent();
+    made_->bounds.clear();
+    made_->casters.clear();
+    for (std::size_t m = 0; m < scene.meshes.size(); ++m) {
+      if (scene.meshes[m].casts) made_->casters.push_back(static_cast<std::uint32_t>(m));
+      made_->bounds.emplace_back().add(scene.meshes[m].positions);
+    }
+
+    // Triangles on the plane must stay below what the shader finds to be their height.
+    made_->clip_tolerance = made_->lookup.planes().tolerance + height_rounding(scene);
+  }
+
+  void relight(const Light& light) override {
+    light_ = light;
+    artefacts_.unclipped = unclipped;
+    projections_.clear();
+    const glm::dvec4 l = homogeneous(light);
+    const double tolerance = made_->clip_tolerance;
+    planes_face_ = !std::holds_alternative<SpotLight>(light.kind);
+    const double slack = std::max(4 * tolerance, 0x1p-20 * made_->extent);
+    for (std::uint32_t i = 0; i < made_->lookup.planes().planes.size(); ++i) {
+      glm::dvec4 plane = made_->lookup.planes().planes[i].plane;
+      if (glm::dot(plane, l) < 0) plane = -plane;
+      const double light_height = glm::dot(plane, l);  // of a directional light: per unit of its direction
+      // A light in the plane, as far as float32 can tell, faces none of it.
+      if (light_height <= (l.w != 0 ? tolerance : 0x1p-24 * glm::length(l))) continue;
+      planes_face_ = planes_face_ && light_height > 0x1p-19 * farthest(l, made_->lookup.bounds()[i]);
+      Projection projection{PlaneProjection(plane, l), i};
+      for (const std::uint32_t m : made_->casters) {
+        const glm::dvec3 middle = (glm::dvec3(made_->bounds[m].min) + glm::dvec3(made_->bounds[m].max)) / 2.0;
+        const glm::dvec3 half = (glm::dvec3(made_->bounds[m].max) - glm::dvec3(made_->bounds[m].min)) / 2.0;
+        const double height = glm::dot(plane, glm::dvec4(middle, 1)), reach = glm::dot(glm::abs(glm::dvec3(plane)), half);
+        const bool behind_plane = height + reach <= tolerance;
+        const bool behind_light = l.w != 0 && height - reach >= light_height;
+        if (behind_plane || behind_light || !projection.may_reach(made_->bounds[m], made_->lookup.bounds()[i], slack)) continue;
+        projection.casters.push_back(m);
+        const bool is_clipped = height - reach < 2 * tolerance || (l.w != 0 && height + reach >= 0.99 * light_height);
+        const MeshFacts& facts = made_->scene->meshes[m].facts;
+        (facts.closed() && !is_clipped ? projection.one_sided : projection.two_sided).push_back(m);
+      }
+      if (!projection.casters.empty() || unclipped) projections_.push_back(std::move(projection));
+    }
+  }
+
+  void resolve(const GBuffer& gbuffer, VisibilityMask& mask) override {
+    const StateGuard guard;
+    gbuffer_ = &gbuffer;
+    artefacts_.double_blend = double_blend;
+    differs_.clear();
+    receivers_.fit(GL_DEPTH_COMPONENT32F, gbuffer.width, gbuffer.height);
+    begin_pass(0, GL_ALWAYS);
+    bind_gbuffer(gbuffer_textures(gbuffer, *made_->scene));
+    made_->lookup.bind(gbuffer.truth);
+    const Program& program = made_->receivers_programs[planes_face_];
+    set_light(program, light_);
+    program.set("depth_step", depth_step);
+    glUseProgram(program.name());
+    draw_full_screen();
+    work_ = draw_shadows(mask.texture(), artefacts_);
+    glFinish();
+  }
+
+  Counts counts() const override {
+    const std::size_t shared_bytes = made_->lookup.bytes() + made_->casters.size() * 4;
+    double bytes = static_cast<double>(receivers_.bytes) + made_.own(static_cast<double>(shared_bytes));
+    for (const Projection& projection : projections_) bytes += double(sizeof(projection) + 2 * projection.casters.size() * 4);
+    return {{"planes", double(work_.planes), ""},
+            {"casters", double(work_.casters), ""},
+            {"triangles", double(work_.triangles), ""},
+            {"bytes", bytes, "byte"}};
+  }
+
+  std::optional<Explanation> explain(std::size_t index) const override {
+    Explanation why;
+    if (!faces_light(*made_->scene, *gbuffer_, light_, index)) return why;
+    const std::uint32_t plane = made_->lookup.plane_of(*gbuffer_, index);
+    why.covered = plane != no_plane;
+    if (!why.covered) return why;
+    why.element = plane;
+    why.formula_differs = artefacts_differ(index);
+    return why;
+  }
+
   std::unique_ptr<Technique> for_another_light() const override { return another(*this, &PlanarProjected::made_); }
 
  private:
@@ -83,12 +193,89 @@ class PlanarProjected final : public Technique {
   struct Work {
     std::size_t planes = 0, casters = 0, triangles = 0;
   };
+  /// Attaches a texture, or none for 0, and the planes of the pixels as depths. Leaves state for a StateGuard.
+  void begin_pass(GLuint color, GLenum depth_test) const {
+    const GLuint framebuffer = made_->framebuffer.name();
+    glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
+    glViewport(0, 0, gbuffer_->width, gbuffer_->height);
+    glNamedFramebufferTexture(framebuffer, GL_COLOR_ATTACHMENT0, color, 0);
+    glNamedFramebufferTexture(framebuffer, GL_DEPTH_ATTACHMENT, receivers_.name(), 0);
+    glEnable(GL_DEPTH_TEST);
+    glDepthFunc(depth_test);
+  }
+
   /// Fills a texture of the picture's size with 1, and with the shadows. Leaves state for a StateGuard.
-  Work draw_shadows(GLuint texture, const Artefacts& artefacts) const;
-  bool artefacts_differ(std::size_t pixel) const;
+  Work draw_shadows(GLuint texture, const Artefacts& artefacts) const {
+    const GBuffer& gbuffer = *gbuffer_;
+    begin_pass(texture, GL_EQUAL);
+    const float lit[] = {1, 0, 0, 0};
+    glClearNamedFramebufferfv(made_->framebuffer.name(), GL_COLOR, 0, lit);
+    glDepthMask(GL_FALSE);
+    if (artefacts.double_blend) {
+      glEnable(GL_BLEND);
+      glBlendFunc(GL_ZERO, GL_SRC_COLOR);  // halving is exact in float32, in whatever order the triangles come
+    }
+    if (!artefacts.unclipped) {
+      glEnable(GL_CLIP_DISTANCE0);
+      glEnable(GL_CLIP_DISTANCE1);
+    }
+    const SceneBuffers& buffers = scene_buffers(*made_->scene);
+    const glm::dmat4 clip = clip_from_world(gbuffer, *made_->scene);
+    const Program& p = artefacts.unclipped ? made_->unclipped_program : made_->shadow_program;
+    glUseProgram(p.name());
+    p.set("tolerance", static_cast<float>(made_->clip_tolerance));
+    p.set("darkened", artefacts.double_blend ? 0.5f : 0.0f);
+    Work work;
+    for (const Projection& projection : projections_) {
+      const std::vector<std::uint32_t>& casters = artefacts.unclipped ? made_->casters : projection.casters;
+      // Seen from behind, the plane shows its unlit side.
+      if (casters.empty() || glm::dot(projection.plane, glm::dvec4(glm::dvec3(gbuffer.view.eye), 1)) <= 0) continue;
+      if (artefacts.unclipped) {
+        p.set("clip_from_world", glm::mat4(clip));
+        p.set("projected", glm::mat4(projection.projected));
+      } else {
+        p.set("clip_from_world", glm::mat4(clip * projection.projected));
+        p.set("per_light_height", static_cast<float>(projection.per_light_height));
+      }
+      p.set("plane", glm::vec4(projection.plane));
+      // The share's own rounding error: shadows of casters so near to the light's height reach infinity anyway.
+      p.set("least_share", static_cast<float>(0x1p-22 + made_->clip_tolerance * projection.per_light_height));
+      const double depth = (projection.index + 1) * double(depth_step);
+      glDepthRange(depth, depth);
+      if (artefacts.unclipped || artefacts.double_blend) {
+        buffers.draw(casters);
+      } else {
+        buffers.draw(projection.two_sided);
+        glEnable(GL_CULL_FACE);
+        buffers.draw(projection.one_sided);
+        glDisable(GL_CULL_FACE);
+      }
+      ++work.planes;
+      work.casters += casters.size();
+      for (const std::uint32_t m : casters) work.triangles += buffers.meshes[m].triangle_count;
+    }
+    return work;
+  }
+
+  /// Draws the picture again, with and without the artefacts, at the first call after a resolve.
+  bool artefacts_differ(std::size_t pixel) const {
+    if (!artefacts_.unclipped && !artefacts_.double_blend) return false;
+    if (differs_.empty()) {
+      VisibilityMask spoiled(gbuffer_->width, gbuffer_->height), exact(gbuffer_->width, gbuffer_->height);
+      const auto draw = [&](VisibilityMask& mask, const Artefacts& artefacts) {
+        const StateGuard guard;
+        draw_shadows(mask.texture(), artefacts);
+      };
+      draw(spoiled, artefacts_);
+      draw(exact, {});
+      const std::span<const float> a = spoiled.read(), b = exact.read();
+      for (std::size_t i = 0; i < a.size(); ++i) differs_.push_back(std::abs(a[i] - b[i]) > 0.5f);
+    }
+    return differs_[pixel] != 0;
+  }
 
   struct Made {
-    std::array<Program, 2> receivers_programs;  // that ask every pixel whether it faces the light, or none
+    std::array<Program, 2> receivers_programs;  // that test whether a pixel faces the light: every one, or none
     Program shadow_program, unclipped_program;
     Framebuffer framebuffer;
     const Scene* scene = nullptr;
@@ -98,6 +285,7 @@ class PlanarProjected final : public Technique {
     double clip_tolerance = 0;
     std::vector<std::uint32_t> casters;
   };
+
   Shared<Made> made_;
   const GBuffer* gbuffer_ = nullptr;
   Light light_;
@@ -108,204 +296,6 @@ class PlanarProjected final : public Technique {
   Work work_;
   mutable std::vector<std::uint8_t> differs_;  // of each pixel; made by the first `explain`
 };
-
-Support PlanarProjected::supports(const Scene& scene, const Light& light, const View&) const {
-  if (has_area(light)) return Support::unsupported("casters are projected from one point: lights with area have none");
-  if (const Support enough = within_limits(PlaneLookup::needs(scene)); !enough) return enough;
-  const ReceiverPlanes planes = find_receiver_planes(scene, min_share);
-  if (planes.planes.empty())
-    return Support::unsupported(fmt::format("no plane holds {} of the receiving area", min_share.value()));
-  if (planes.planar_area < planes.receiving_area * (1 - 1e-9))
-    return Support::approximate(
-        fmt::format("{:.3g} % of the receiving area lies on no receiver plane; pixels there are not covered",
-                    100 * (1 - planes.planar_area / planes.receiving_area)));
-  return Support::full();
-}
-
-void PlanarProjected::setup() {
-  for (int k = 0; k < 2; ++k)
-    made_->receivers_programs[k] = pass_program("planar_projected receivers", receivers_constants,
-                                                fmt::format("#define PLANES_FACE {}\n", k) + receivers_fragment);
-  made_->shadow_program = Program("planar_projected shadow", projection_vertex, shadow_fragment);
-  made_->unclipped_program = Program("planar_projected unclipped shadow", unclipped_vertex, shadow_fragment);
-  made_->framebuffer = make_framebuffer();
-  const Artefacts chosen{unclipped, double_blend};
-  const auto choose = [&](const Artefacts& artefacts) {
-    unclipped.set(artefacts.unclipped ? "true" : "false");
-    double_blend.set(artefacts.double_blend ? "true" : "false");
-  };
-  for (const bool clips : {false, true})
-    for (const bool blends : {false, true}) {
-      choose({!clips, blends});
-      warm_up(*this);
-    }
-  choose(chosen);
-}
-
-void PlanarProjected::build(const Scene& scene) {
-  made_->scene = &scene;
-  scene_buffers(scene);
-  made_->lookup.build(scene, min_share);
-  made_->extent = scene.bounds().extent();
-  made_->bounds.clear();
-  made_->casters.clear();
-  for (std::size_t m = 0; m < scene.meshes.size(); ++m) {
-    if (scene.meshes[m].casts) made_->casters.push_back(static_cast<std::uint32_t>(m));
-    made_->bounds.emplace_back().add(scene.meshes[m].positions);
-  }
-
-  // Triangles on the plane must stay below what the shader finds to be their height.
-  made_->clip_tolerance = made_->lookup.planes().tolerance + height_rounding(scene);
-}
-
-void PlanarProjected::relight(const Light& light) {
-  light_ = light;
-  artefacts_.unclipped = unclipped;
-  projections_.clear();
-  const glm::dvec4 l = homogeneous(light);
-  planes_face_ = !std::holds_alternative<SpotLight>(light.kind);
-  const double slack = std::max(4 * made_->clip_tolerance, 0x1p-20 * made_->extent);
-  for (std::uint32_t i = 0; i < made_->lookup.planes().planes.size(); ++i) {
-    glm::dvec4 plane = made_->lookup.planes().planes[i].plane;
-    if (glm::dot(plane, l) < 0) plane = -plane;
-    const double light_height = glm::dot(plane, l);  // of a directional light: per unit of its direction
-    // A light in the plane, as far as float32 can tell, faces none of it.
-    if (light_height <= (l.w != 0 ? made_->clip_tolerance : 0x1p-24 * glm::length(l))) continue;
-    planes_face_ = planes_face_ && light_height > 0x1p-19 * farthest(l, made_->lookup.bounds()[i]);
-    Projection projection{PlaneProjection(plane, l), i};
-    for (const std::uint32_t m : made_->casters) {
-      const glm::dvec3 middle = (glm::dvec3(made_->bounds[m].min) + glm::dvec3(made_->bounds[m].max)) / 2.0;
-      const glm::dvec3 half = (glm::dvec3(made_->bounds[m].max) - glm::dvec3(made_->bounds[m].min)) / 2.0;
-      const double height = glm::dot(plane, glm::dvec4(middle, 1)), reach = glm::dot(glm::abs(glm::dvec3(plane)), half);
-      const bool behind_plane = height + reach <= made_->clip_tolerance;
-      const bool behind_light = l.w != 0 && height - reach >= light_height;
-      if (behind_plane || behind_light || !projection.may_reach(made_->bounds[m], made_->lookup.bounds()[i], slack)) continue;
-      projection.casters.push_back(m);
-      const bool is_clipped = height - reach < 2 * made_->clip_tolerance || (l.w != 0 && height + reach >= 0.99 * light_height);
-      const MeshFacts& facts = made_->scene->meshes[m].facts;
-      (facts.closed() && !is_clipped ? projection.one_sided : projection.two_sided).push_back(m);
-    }
-    if (!projection.casters.empty() || unclipped) projections_.push_back(std::move(projection));
-  }
-}
-
-void PlanarProjected::resolve(const GBuffer& gbuffer, VisibilityMask& mask) {
-  const StateGuard guard;
-  gbuffer_ = &gbuffer;
-  artefacts_.double_blend = double_blend;
-  differs_.clear();
-  receivers_.fit(GL_DEPTH_COMPONENT32F, gbuffer.width, gbuffer.height);
-  glBindFramebuffer(GL_FRAMEBUFFER, made_->framebuffer.name());
-  glViewport(0, 0, gbuffer.width, gbuffer.height);
-  glNamedFramebufferTexture(made_->framebuffer.name(), GL_COLOR_ATTACHMENT0, 0, 0);
-  glNamedFramebufferTexture(made_->framebuffer.name(), GL_DEPTH_ATTACHMENT, receivers_.name(), 0);
-  glEnable(GL_DEPTH_TEST);
-  glDepthFunc(GL_ALWAYS);
-  bind_gbuffer(gbuffer_textures(gbuffer, *made_->scene));
-  made_->lookup.bind(gbuffer.truth);
-  const Program& program = made_->receivers_programs[planes_face_];
-  set_light(program, light_);
-  program.set("depth_step", depth_step);
-  glUseProgram(program.name());
-  draw_full_screen();
-  work_ = draw_shadows(mask.texture(), artefacts_);
-  glFinish();
-}
-
-PlanarProjected::Work PlanarProjected::draw_shadows(GLuint texture, const Artefacts& artefacts) const {
-  const GBuffer& gbuffer = *gbuffer_;
-  glBindFramebuffer(GL_FRAMEBUFFER, made_->framebuffer.name());
-  glViewport(0, 0, gbuffer.width, gbuffer.height);
-  glNamedFramebufferTexture(made_->framebuffer.name(), GL_COLOR_ATTACHMENT0, texture, 0);
-  const float lit[] = {1, 0, 0, 0};
-  glClearNamedFramebufferfv(made_->framebuffer.name(), GL_COLOR, 0, lit);
-  glNamedFramebufferTexture(made_->framebuffer.name(), GL_DEPTH_ATTACHMENT, receivers_.name(), 0);
-  glEnable(GL_DEPTH_TEST);
-  glDepthFunc(GL_EQUAL);
-  glDepthMask(GL_FALSE);
-  if (artefacts.double_blend) {
-    glEnable(GL_BLEND);
-    glBlendFunc(GL_ZERO, GL_SRC_COLOR);  // halving is exact in float32, in whatever order the triangles come
-  }
-  if (!artefacts.unclipped) {
-    glEnable(GL_CLIP_DISTANCE0);
-    glEnable(GL_CLIP_DISTANCE1);
-  }
-  const SceneBuffers& buffers = scene_buffers(*made_->scene);
-  const glm::dmat4 clip = clip_from_world(gbuffer, *made_->scene);
-  const Program& p = artefacts.unclipped ? made_->unclipped_program : made_->shadow_program;
-  glUseProgram(p.name());
-  p.set("tolerance", static_cast<float>(made_->clip_tolerance));
-  p.set("darkened", artefacts.double_blend ? 0.5f : 0.0f);
-  Work work;
-  for (const Projection& projection : projections_) {
-    const std::vector<std::uint32_t>& casters = artefacts.unclipped ? made_->casters : projection.casters;
-    // Seen from behind, the plane shows its unlit side.
-    if (casters.empty() || glm::dot(projection.plane, glm::dvec4(glm::dvec3(gbuffer.view.eye), 1)) <= 0) continue;
-    if (artefacts.unclipped) {
-      p.set("clip_from_world", glm::mat4(clip));
-      p.set("projected", glm::mat4(projection.projected));
-    } else {
-      p.set("clip_from_world", glm::mat4(clip * projection.projected));
-      p.set("per_light_height", static_cast<float>(projection.per_light_height));
-    }
-    p.set("plane", glm::vec4(projection.plane));
-    // The share's own rounding error: casters that near to the light's height go to infinity anyway.
-    p.set("least_share", static_cast<float>(0x1p-22 + made_->clip_tolerance * projection.per_light_height));
-    const double depth = (projection.index + 1) * double(depth_step);
-    glDepthRange(depth, depth);
-    if (artefacts.unclipped || artefacts.double_blend) {
-      buffers.draw(casters);
-    } else {
-      buffers.draw(projection.two_sided);
-      glEnable(GL_CULL_FACE);
-      buffers.draw(projection.one_sided);
-      glDisable(GL_CULL_FACE);
-    }
-    ++work.planes;
-    work.casters += casters.size();
-    for (const std::uint32_t m : casters) work.triangles += buffers.meshes[m].triangle_count;
-  }
-  return work;
-}
-
-Counts PlanarProjected::counts() const {
-  const std::size_t shared_bytes = made_->lookup.bytes() + made_->casters.size() * 4;
-  double bytes = static_cast<double>(receivers_.bytes) + made_.own(static_cast<double>(shared_bytes));
-  for (const Projection& projection : projections_) bytes += double(sizeof(projection) + 2 * projection.casters.size() * 4);
-  return {{"planes", double(work_.planes), ""},
-          {"casters", double(work_.casters), ""},
-          {"triangles", double(work_.triangles), ""},
-          {"bytes", bytes, "byte"}};
-}
-
-/// Draws the picture again, with and without the artefacts, at the first call after a resolve.
-bool PlanarProjected::artefacts_differ(std::size_t pixel) const {
-  if (!artefacts_.unclipped && !artefacts_.double_blend) return false;
-  if (differs_.empty()) {
-    VisibilityMask spoiled(gbuffer_->width, gbuffer_->height), exact(gbuffer_->width, gbuffer_->height);
-    const auto draw = [&](VisibilityMask& mask, const Artefacts& artefacts) {
-      const StateGuard guard;
-      draw_shadows(mask.texture(), artefacts);
-    };
-    draw(spoiled, artefacts_);
-    draw(exact, {});
-    const std::span<const float> a = spoiled.read(), b = exact.read();
-    for (std::size_t i = 0; i < a.size(); ++i) differs_.push_back(std::abs(a[i] - b[i]) > 0.5f);
-  }
-  return differs_[pixel] != 0;
-}
-
-std::optional<Explanation> PlanarProjected::explain(std::size_t index) const {
-  Explanation why;
-  if (!faces_light(*made_->scene, *gbuffer_, light_, index)) return why;
-  const std::uint32_t plane = made_->lookup.plane_of(*gbuffer_, index);
-  why.covered = plane != no_plane;
-  if (!why.covered) return why;
-  why.element = plane;
-  why.formula_differs = artefacts_differ(index);
-  return why;
-}
 
 }  // namespace
 

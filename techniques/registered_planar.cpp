@@ -34,28 +34,44 @@ constexpr About about{
 /// Textures of all sheets together, at most.
 constexpr double most_bytes = 0x1p31;
 
+/// Colors of texels in turn where all of the light is seen, and the share of them that is left where none of it is.
+const Swatch lit_texels[] = {{"lit, even texels", {0.85, 0.80, 0.62}}, {"lit, odd texels", {0.55, 0.62, 0.72}}};
+constexpr double umbra_brightness = 0.06;
+
 class RegisteredPlanar final : public Technique {
   Number<int> samples{this, "samples", 16, {"point", 1, 1024, true}, Stage::relight, "Points of the light."};
-  Choice pattern{this,
-                 "pattern",
-                 "low_discrepancy",
-                 {"random", "stratified", "low_discrepancy"},
-                 Stage::relight,
-                 "Where they lie: anywhere; one in each of as many cells; a sequence that fills the light evenly."};
+  Choice pattern = Choice(this, "pattern", "low_discrepancy", {"random", "stratified", "low_discrepancy"}, Stage::relight,
+                          "Where they lie: anywhere; one in each of as many cells; a sequence that fills the light evenly.");
   Number<int> seed{this, "seed", 1, {"", 0, 1000000}, Stage::relight, "Other random numbers."};
-  Number<int> resolution{this,
-                         "resolution",
-                         512,
-                         {"texel", 16, 4096, true},
-                         Stage::relight,
-                         "Side of the square texture of each side of a receiver plane that the light shows."};
-  Number<double> min_share{
-      this,         "min_share",
-      0.01,         {.min = 0.001, .max = 1, .log = true},
-      Stage::build, "Least share of the receiving area that makes a set of coplanar faces a receiver plane."};
+  Number<int> resolution = Number<int>(this, "resolution", 512, {"texel", 16, 4096, true}, Stage::relight,
+                                       "Side of the square texture of each side of a receiver plane that the light shows.");
+  Number<double> min_share =
+      Number<double>(this, "min_share", 0.01, {.min = 0.001, .max = 1, .log = true}, Stage::build,
+                     "Least share of the receiving area that makes a set of coplanar faces a receiver plane.");
 
  public:
-  Support supports(const Scene& scene, const Light& light, const View&) const override;
+  Support supports(const Scene& scene, const Light& light, const View&) const override {
+    if (!has_area(light)) return Support::unsupported("the light has no area: its shadows are hard, see planar_projected");
+    GlLimits needed = PlaneLookup::needs(scene);
+    needed.fragment_storage_blocks = needed.storage_bindings = 4;
+    needed.texture_size = resolution;
+    const ReceiverPlanes planes = find_receiver_planes(scene, min_share);
+    if (planes.planes.empty())
+      return Support::unsupported(fmt::format("no plane holds {} of the receiving area", min_share.value()));
+    needed.texture_layers = static_cast<std::int64_t>(2 * planes.planes.size());
+    if (const Support enough = within_limits(needed); !enough) return enough;
+    const double texel_bytes = has_far_side(light) ? 8 : 4;
+    if (const double bytes = 2.0 * static_cast<double>(planes.planes.size()) * resolution * resolution * texel_bytes;
+        bytes > most_bytes)
+      return Support::unsupported(
+          fmt::format("textures of both sides of {} planes take up to {:.0f} MiB at {} texels; at most {:.0f}",
+                      planes.planes.size(), bytes / 0x1p20, resolution.value(), most_bytes / 0x1p20));
+    if (planes.planar_area < planes.receiving_area * (1 - 1e-9))
+      return Support::approximate(
+          fmt::format("{:.3g} % of the receiving area lies on no receiver plane; pixels there are not covered",
+                      100 * (1 - planes.planar_area / planes.receiving_area)));
+    return Support::full();
+  }
   void setup() override {
     painter_->setup();
     // Programs are the same for any number of texels and points, so few do. `settings` has only what is not by default: what is
@@ -68,13 +84,81 @@ class RegisteredPlanar final : public Technique {
     apply(chosen);
   }
   void build(const Scene& scene) override { painter_->build(scene, min_share); }
-  void relight(const Light& light) override;
-  void resolve(const GBuffer& gbuffer, VisibilityMask& mask) override;
-  Counts counts() const override;
-  std::optional<Explanation> explain(std::size_t index) const override;
+  void relight(const Light& light) override {
+    const StateGuard guard;
+    points_ = light_points(light, pattern.value(), samples, places_seed(seed, 0));
+    lit_ = painter_->sheets_for(light, points_, resolution);
+    painter_->draw_sums(lit_, points_, sums_);
+    glFinish();
+  }
+  void resolve(const GBuffer& gbuffer, VisibilityMask& mask) override {
+    const StateGuard guard;
+    gbuffer_ = &gbuffer;
+    kept_.clear();
+    painter_->look_up(lit_, sums_, gbuffer, mask);
+    glFinish();
+  }
+  Counts counts() const override {
+    const std::size_t own = sums_.bytes() + lit_.planes.bytes + bytes_of(points_, lit_.sheets);
+    return {{"sheets", static_cast<double>(lit_.sheets.size()), ""},
+            {"light_points", static_cast<double>(points_.size()), ""},
+            {"triangles", static_cast<double>(sums_.triangles), ""},
+            {"bytes", static_cast<double>(own) + painter_.own(static_cast<double>(painter_->bytes())), "byte"}};
+  }
+  std::optional<Explanation> explain(std::size_t index) const override {
+    Explanation why;
+    const GBuffer& g = *gbuffer_;
+    if (!faces_light(painter_->scene(), g, lit_.light, index)) return why;
+    const std::uint32_t plane = painter_->lookup().plane_of(g, index);
+    why.covered = plane != no_plane;
+    if (!why.covered) return why;
+    why.element = plane;
+    if (kept_.empty()) {
+      const StateGuard guard;
+      VisibilityMask mask(g.width, g.height);
+      Sums one;
+      for (const glm::vec3& point : points_) {
+        painter_->draw_sums(lit_, {&point, 1}, one);
+        painter_->look_up(lit_, one, g, mask);
+        kept_.add(mask.read());
+      }
+    }
+    const PointWeights weights(lit_.light, g.position(index), g.normal(index));
+    double sum = 0;
+    for (std::size_t k = 0; k < points_.size(); ++k) {
+      const float weight = weights.at(points_[k]);
+      if (weight > 0) why.samples.push_back({.place = points_[k], .weight = weight, .visibility = kept_.at(k, index)});
+      sum += weight;
+    }
+    for (LightSample& sample : why.samples) sample.weight /= sum;
+    return why;
+  }
   std::unique_ptr<Technique> for_another_light() const override { return another(*this, &RegisteredPlanar::painter_); }
-  std::vector<DebugLayer> debug_layers() const override;
-  std::vector<float> draw_debug(std::string_view layer) const override;
+  std::vector<DebugLayer> debug_layers() const override {
+    std::vector<Swatch> legend(std::begin(lit_texels), std::end(lit_texels));
+    for (const Swatch& lit : lit_texels) legend.push_back({"umbra" + lit.name.substr(3), umbra_brightness * lit.color});
+    return {{"texture",
+             "The share of the light that each texel of the receiver planes' textures holds, unfiltered: the darker, the less. "
+             "Dim where no texture is looked up.",
+             legend}};
+  }
+  std::vector<float> draw_debug(std::string_view layer) const override {
+    if (layer != "texture") return Technique::draw_debug(layer);
+    const StateGuard guard;
+    const GBuffer& g = *gbuffer_;
+    VisibilityMask mask(g.width, g.height);
+    painter_->look_up(lit_, sums_, g, mask, true);
+    const std::span<const float> texels = mask.read();
+    std::vector<float> picture = heat_layer(g, std::vector<float>(g.size(), 0));
+    for (std::size_t i = 0; i < g.size(); ++i) {
+      if (texels[i] < 2) continue;
+      const bool is_odd = texels[i] >= 4;
+      const double share = texels[i] - (is_odd ? 4 : 2);
+      const glm::dvec3 color = glm::mix(umbra_brightness, 1.0, share) * lit_texels[is_odd].color;
+      for (int c = 0; c < 3; ++c) picture[3 * i + c] = static_cast<float>(color[c]);
+    }
+    return picture;
+  }
 
  private:
   Shared<SheetPainter> painter_;
@@ -84,113 +168,6 @@ class RegisteredPlanar final : public Technique {
   Sums sums_;
   mutable KeptMasks kept_;  // made by the first `explain`
 };
-
-Support RegisteredPlanar::supports(const Scene& scene, const Light& light, const View&) const {
-  if (!has_area(light)) return Support::unsupported("the light has no area: its shadows are hard, see planar_projected");
-  GlLimits needed = PlaneLookup::needs(scene);
-  needed.fragment_storage_blocks = needed.storage_bindings = 4;
-  needed.texture_size = resolution;
-  const ReceiverPlanes planes = find_receiver_planes(scene, min_share);
-  if (planes.planes.empty())
-    return Support::unsupported(fmt::format("no plane holds {} of the receiving area", min_share.value()));
-  needed.texture_layers = static_cast<std::int64_t>(2 * planes.planes.size());
-  if (const Support enough = within_limits(needed); !enough) return enough;
-  const double texel_bytes = has_far_side(light) ? 8 : 4;
-  if (const double bytes = 2.0 * static_cast<double>(planes.planes.size()) * resolution * resolution * texel_bytes;
-      bytes > most_bytes)
-    return Support::unsupported(
-        fmt::format("textures of both sides of {} planes take up to {:.0f} MiB at {} texels; at most {:.0f}",
-                    planes.planes.size(), bytes / 0x1p20, resolution.value(), most_bytes / 0x1p20));
-  if (planes.planar_area < planes.receiving_area * (1 - 1e-9))
-    return Support::approximate(
-        fmt::format("{:.3g} % of the receiving area lies on no receiver plane; pixels there are not covered",
-                    100 * (1 - planes.planar_area / planes.receiving_area)));
-  return Support::full();
-}
-
-void RegisteredPlanar::relight(const Light& light) {
-  const StateGuard guard;
-  points_ = light_points(light, pattern.value(), samples, places_seed(seed, 0));
-  lit_ = painter_->sheets_for(light, points_, resolution);
-  painter_->draw_sums(lit_, points_, sums_);
-  glFinish();
-}
-
-void RegisteredPlanar::resolve(const GBuffer& gbuffer, VisibilityMask& mask) {
-  const StateGuard guard;
-  gbuffer_ = &gbuffer;
-  kept_.clear();
-  painter_->look_up(lit_, sums_, gbuffer, mask);
-  glFinish();
-}
-
-Counts RegisteredPlanar::counts() const {
-  const std::size_t own = sums_.bytes() + lit_.planes.bytes + bytes_of(points_, lit_.sheets);
-  return {{"sheets", static_cast<double>(lit_.sheets.size()), ""},
-          {"light_points", static_cast<double>(points_.size()), ""},
-          {"triangles", static_cast<double>(sums_.triangles), ""},
-          {"bytes", static_cast<double>(own) + painter_.own(static_cast<double>(painter_->bytes())), "byte"}};
-}
-
-std::optional<Explanation> RegisteredPlanar::explain(std::size_t index) const {
-  Explanation why;
-  const GBuffer& g = *gbuffer_;
-  if (!faces_light(painter_->scene(), g, lit_.light, index)) return why;
-  const std::uint32_t plane = painter_->lookup().plane_of(g, index);
-  why.covered = plane != no_plane;
-  if (!why.covered) return why;
-  why.element = plane;
-  if (kept_.empty()) {
-    const StateGuard guard;
-    VisibilityMask mask(g.width, g.height);
-    Sums one;
-    for (const glm::vec3& point : points_) {
-      painter_->draw_sums(lit_, {&point, 1}, one);
-      painter_->look_up(lit_, one, g, mask);
-      kept_.add(mask.read());
-    }
-  }
-  const PointWeights weights(lit_.light, g.position(index), g.normal(index));
-  double sum = 0;
-  for (std::size_t k = 0; k < points_.size(); ++k) {
-    const float weight = weights.at(points_[k]);
-    if (weight > 0) why.samples.push_back({.place = points_[k], .weight = weight, .visibility = kept_.at(k, index)});
-    sum += weight;
-  }
-  for (LightSample& sample : why.samples) sample.weight /= sum;
-  return why;
-}
-
-/// Of texels in turn, where all of the light is seen; where nothing is, this much is left of both.
-const Swatch lit_texels[] = {{"lit, even texels", {0.85, 0.80, 0.62}}, {"lit, odd texels", {0.55, 0.62, 0.72}}};
-constexpr double umbra_brightness = 0.06;
-
-std::vector<DebugLayer> RegisteredPlanar::debug_layers() const {
-  std::vector<Swatch> legend(std::begin(lit_texels), std::end(lit_texels));
-  for (const Swatch& lit : lit_texels) legend.push_back({"umbra" + lit.name.substr(3), umbra_brightness * lit.color});
-  return {{"texture",
-           "The share of the light that each texel of the receiver planes' textures holds, unfiltered: the darker, the less. "
-           "Dim where no texture is looked up.",
-           legend}};
-}
-
-std::vector<float> RegisteredPlanar::draw_debug(std::string_view layer) const {
-  if (layer != "texture") return Technique::draw_debug(layer);
-  const StateGuard guard;
-  const GBuffer& g = *gbuffer_;
-  VisibilityMask mask(g.width, g.height);
-  painter_->look_up(lit_, sums_, g, mask, true);
-  const std::span<const float> texels = mask.read();
-  std::vector<float> picture = heat_layer(g, std::vector<float>(g.size(), 0));
-  for (std::size_t i = 0; i < g.size(); ++i) {
-    if (texels[i] < 2) continue;
-    const bool is_odd = texels[i] >= 4;
-    const double share = texels[i] - (is_odd ? 4 : 2);
-    const glm::dvec3 color = glm::mix(umbra_brightness, 1.0, share) * lit_texels[is_odd].color;
-    for (int c = 0; c < 3; ++c) picture[3 * i + c] = static_cast<float>(color[c]);
-  }
-  return picture;
-}
 
 }  // namespace
 

@@ -18,7 +18,7 @@ constexpr About about{
         "(stored)",
     .error =
         "Stair steps of one texel diagonal along every shadow edge; acne where the bias is less than the depth spread of a "
-        "texel, peter-panning where an occluder is nearer than the bias. bias=receiver_plane has no acne on flat "
+        "texel, peter-panning where a caster is nearer than the bias. bias=receiver_plane has no acne on flat "
         "receivers at depth_bias 0.",
     .fails = "A long shadow at a grazing angle, a fine mesh of wires, and every large scene: texels are spread over all of it.",
     .needs_gl = true,
@@ -26,26 +26,15 @@ constexpr About about{
     .is_default = true};
 
 class ShadowMap final : public ComparedMap {
-  Choice fit{this,
-             "fit",
-             "scene",
-             {"scene", "view"},
-             Stage::relight,
-             "Images hold all that casters and receivers share, or what the picture shows of it: then each resolve "
-             "fits and draws them anew, and pays for it."};
-  Choice stored{this,
-                "stored",
-                "first",
-                {"first", "second", "midpoint", "dual"},
-                Stage::setup,
-                "What a texel holds: the first surface seen from the light, the second, the mean of both (the far plane where "
-                "there is no second), or that mean, but no more than dual_offset behind the first."};
-  Number<double> dual_offset{this,
-                             "dual_offset",
-                             2,
-                             {.unit = "texel", .min = 0, .max = 64},
-                             Stage::relight,
-                             "How far behind the first surface, at most, in widths of a texel there; for stored=dual."};
+  Choice fit = Choice(this, "fit", "scene", {"scene", "view"}, Stage::relight,
+                      "Images hold all that casters and receivers share, or what the picture shows of it: then each resolve "
+                      "fits and draws them anew, and pays for it.");
+  Choice stored = Choice(this, "stored", "first", {"first", "second", "midpoint", "dual"}, Stage::setup,
+                         "What a texel holds: the first surface seen from the light, the second, the mean of both (the far "
+                         "plane where there is no second), or that mean, but no more than dual_offset behind the first.");
+  Number<double> dual_offset =
+      Number<double>(this, "dual_offset", 2, {.unit = "texel", .min = 0, .max = 64}, Stage::relight,
+                     "How far behind the first surface, at most, in widths of a texel there; for stored=dual.");
 
  public:
   ShadowMap() : ComparedMap({.bias = "slope", .depth_bias = 0.25, .slope_bias = 1}) {}

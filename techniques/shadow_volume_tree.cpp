@@ -30,32 +30,104 @@ constexpr About about{
 
 class ShadowVolumeTree final : public PointTechnique {
  public:
-  Choice order{
-      this,
-      "order",
-      "large_first",
-      {"large_first", "random", "scene", "near_first"},
-      Stage::build,
-      "Order of triangles: shuffled with the larger ones first, shuffled, the scene's, or nearest to the light first."};
-  Number<int> seed{this,
-                   "seed",
-                   1,
-                   {.min = 0, .max = 1'000'000},
-                   Stage::build,
-                   "Seed of the shuffle; it decides the shape of the tree, never an answer."};
+  Choice order =
+      Choice(this, "order", "large_first", {"large_first", "random", "scene", "near_first"}, Stage::build,
+             "Order of triangles: shuffled with the larger ones first, shuffled, the scene's, or nearest to the light first.");
+  Number<int> seed = Number<int>(this, "seed", 1, {.min = 0, .max = 1'000'000}, Stage::build,
+                                 "Seed of the shuffle; it decides the shape of the tree, never an answer.");
   Flag early_out{this, "early_out", true, Stage::relight,
                  "Queries pass by trees that hold nothing as near to the light as their point."};
   Flag wedge{this, "wedge", true, Stage::relight,
              "Queries pass by the trees of triangles across a plane where none of these reaches as far from the plane."};
 
-  void build(const Scene& scene) override;
-  void relight(const Light& light) override;
-  void resolve(const GBuffer& gbuffer, VisibilityMask& mask) override;
-  Counts counts() const override;
+  void build(const Scene& scene) override {
+    remember(scene);
+    built_->casters.clear();
+    built_->casters.reserve(scene.triangle_count());
+    built_->bounds = {};
+    built_->is_sorted = order.is("near_first");
+    for_triangles(scene,
+                  [&](const glm::vec3& a, const glm::vec3& b, const glm::vec3& c, std::uint32_t mesh, std::uint32_t number) {
+                    if (!scene.meshes[mesh].casts) return;
+                    built_->casters.push_back({{a, b, c}, mesh, number});
+                    for (const glm::vec3& p : {a, b, c}) built_->bounds.add(p);
+                  });
+    if (order.is("random") || order.is("large_first")) Random(static_cast<std::uint64_t>(seed)).shuffle(built_->casters);
+    if (order.is("large_first")) put_large_first(built_->casters);
+  }
+
+  void relight(const Light& light) override {
+    light_ = light;
+    const Frame frame(homogeneous(light), built_->bounds);
+    tree_.reserve(built_->casters.size());
+    // Edge-on triangles cast nothing.
+    constexpr std::size_t block = 8192;
+    std::vector<std::int8_t> facing;
+    find_facing(built_->casters, frame.light, facing);
+    std::vector<std::size_t> begin((built_->casters.size() + block - 1) / block + 1, 0);
+    for (std::size_t i = 0; i < facing.size(); ++i) begin[i / block + 1] += facing[i] != 0;
+    for (std::size_t b = 1; b < begin.size(); ++b) begin[b] += begin[b - 1];
+
+    if (built_->is_sorted) {
+      nearest_.resize(built_->casters.size());
+      for_blocks(built_->casters.size(), block, [&](std::size_t low, std::size_t high) {
+        for (std::size_t i = low; i < high; ++i)
+          nearest_[i] = {facing[i] != 0 ? frame.nearest(built_->casters[i]) : INFINITY, static_cast<std::uint32_t>(i)};
+      });
+      std::ranges::sort(nearest_);
+    }
+    const std::span<Caster> into = tree_.casters();
+    for_blocks(built_->casters.size(), block, [&](std::size_t low, std::size_t high) {
+      std::size_t next = built_->is_sorted ? low : begin[low / block];
+      for (std::size_t i = low; i < high; ++i) {
+        const std::size_t from = built_->is_sorted ? nearest_[i].second : i;
+        if (facing[from] == 0) continue;
+        into[next] = built_->casters[from];
+        if (facing[from] < 0) std::swap(into[next].points[1], into[next].points[2]);
+        into[next].steepness = frame.steepness(into[next]);
+        ++next;
+      }
+    });
+    tree_.grow(begin.back(), frame, early_out, wedge);
+  }
+
+  void resolve(const GBuffer& gbuffer, VisibilityMask& mask) override {
+    gbuffer_ = &gbuffer;
+    const std::span<float> pixels = mask.pixels();
+    std::ranges::fill(pixels, 1.0f);
+    work_ = for_facing_pixels(gbuffer, tree_.make_work(), [&](std::size_t i, QueryWork& work) {
+      if (tree_.shading_triangle(*remembered_->scene, receiver(gbuffer, i), work) != nothing) pixels[i] = 0;
+    });
+  }
+
+  Counts counts() const override {
+    const std::size_t bytes = bytes_of(nearest_) + tree_.bytes();
+    SignCounts signs = tree_.signs();
+    signs += work_.signs;
+    return {count_of("triangles", tree_.triangles()),
+            count_of("nodes", 4 * tree_.triangles()),
+            most_of("depth", tree_.depth()),
+            count_of("queries", work_.queries),
+            mean_of("visits", work_.visits, work_.queries),
+            most_of("longest_stack", work_.longest_stack),
+            count_of("signs_in_double", signs.in_double),
+            count_of("signs_by_int128", signs.exact.lattice),
+            count_of("signs_by_gmp", signs.exact.big),
+            {"bytes", static_cast<double>(bytes) + built_.own(static_cast<double>(bytes_of(built_->casters))), "byte"}};
+  }
+
   std::vector<DebugLayer> debug_layers() const override {
     return {heat_debug_layer("visits", "Nodes visited to locate each point")};
   }
-  std::vector<float> draw_debug(std::string_view layer) const override;
+  std::vector<float> draw_debug(std::string_view layer) const override {
+    if (layer != "visits") return Technique::draw_debug(layer);
+    return heat_of([&](std::size_t i) {
+      QueryWork work = tree_.make_work();
+      tree_.shading_triangle(*remembered_->scene, receiver(*gbuffer_, i), work);
+      return work.visits;
+    });
+  }
+
   std::unique_ptr<Technique> for_another_light() const override {
     return another(*this, &ShadowVolumeTree::remembered_, &ShadowVolumeTree::built_);
   }
@@ -79,92 +151,6 @@ class ShadowVolumeTree final : public PointTechnique {
   Tree tree_;
   QueryWork work_;
 };
-
-void ShadowVolumeTree::build(const Scene& scene) {
-  remember(scene);
-  built_->casters.clear();
-  built_->casters.reserve(scene.triangle_count());
-  Bounds bounds;
-  built_->is_sorted = order.is("near_first");
-  for_triangles(scene,
-                [&](const glm::vec3& a, const glm::vec3& b, const glm::vec3& c, std::uint32_t mesh, std::uint32_t number) {
-                  if (!scene.meshes[mesh].casts) return;
-                  built_->casters.push_back({{a, b, c}, mesh, number});
-                  for (const glm::vec3& p : {a, b, c}) bounds.add(p);
-                });
-  built_->bounds = bounds;
-  if (order.is("random") || order.is("large_first")) Random(static_cast<std::uint64_t>(seed.value())).shuffle(built_->casters);
-  if (order.is("large_first")) put_large_first(built_->casters);
-}
-
-void ShadowVolumeTree::relight(const Light& light) {
-  light_ = light;
-  const Frame frame(homogeneous(light), built_->bounds);
-  tree_.reserve(built_->casters.size());
-  // Edge-on triangles cast nothing.
-  constexpr std::size_t block = 8192;
-  std::vector<std::int8_t> facing;
-  find_facing(built_->casters, frame.light, facing);
-  std::vector<std::size_t> begin((built_->casters.size() + block - 1) / block + 1, 0);
-  for (std::size_t i = 0; i < facing.size(); ++i) begin[i / block + 1] += facing[i] != 0;
-  for (std::size_t b = 1; b < begin.size(); ++b) begin[b] += begin[b - 1];
-
-  if (built_->is_sorted) {
-    nearest_.resize(built_->casters.size());
-    for_blocks(built_->casters.size(), block, [&](std::size_t low, std::size_t high) {
-      for (std::size_t i = low; i < high; ++i)
-        nearest_[i] = {facing[i] != 0 ? frame.nearest(built_->casters[i]) : INFINITY, static_cast<std::uint32_t>(i)};
-    });
-    std::ranges::sort(nearest_);
-  }
-  const std::span<Caster> into = tree_.casters();
-  for_blocks(built_->casters.size(), block, [&](std::size_t low, std::size_t high) {
-    std::size_t next = built_->is_sorted ? low : begin[low / block];
-    for (std::size_t i = low; i < high; ++i) {
-      const std::size_t from = built_->is_sorted ? nearest_[i].second : i;
-      if (facing[from] == 0) continue;
-      into[next] = built_->casters[from];
-      if (facing[from] < 0) std::swap(into[next].points[1], into[next].points[2]);
-      into[next].steepness = frame.steepness(into[next]);
-      ++next;
-    }
-  });
-  tree_.grow(begin.back(), frame, early_out, wedge);
-}
-
-void ShadowVolumeTree::resolve(const GBuffer& gbuffer, VisibilityMask& mask) {
-  gbuffer_ = &gbuffer;
-  const std::span<float> pixels = mask.pixels();
-  std::ranges::fill(pixels, 1.0f);
-  work_ = for_facing_pixels(gbuffer, tree_.make_work(), [&](std::size_t i, QueryWork& work) {
-    if (tree_.shading_triangle(*remembered_->scene, receiver(gbuffer, i), work) != nothing) pixels[i] = 0;
-  });
-}
-
-Counts ShadowVolumeTree::counts() const {
-  const std::size_t bytes = bytes_of(nearest_) + tree_.bytes();
-  SignCounts signs = tree_.signs();
-  signs += work_.signs;
-  return {count_of("triangles", tree_.triangles()),
-          count_of("nodes", 4 * tree_.triangles()),
-          most_of("depth", tree_.depth()),
-          count_of("queries", work_.queries),
-          mean_of("visits", work_.visits, work_.queries),
-          most_of("longest_stack", work_.longest_stack),
-          count_of("signs_in_double", signs.in_double),
-          count_of("signs_by_int128", signs.exact.lattice),
-          count_of("signs_by_gmp", signs.exact.big),
-          {"bytes", static_cast<double>(bytes) + built_.own(static_cast<double>(bytes_of(built_->casters))), "byte"}};
-}
-
-std::vector<float> ShadowVolumeTree::draw_debug(std::string_view layer) const {
-  if (layer != "visits") return Technique::draw_debug(layer);
-  return heat_of([&](std::size_t i) {
-    QueryWork work = tree_.make_work();
-    tree_.shading_triangle(*remembered_->scene, receiver(*gbuffer_, i), work);
-    return work.visits;
-  });
-}
 
 }  // namespace
 

@@ -39,38 +39,107 @@ constexpr About about{
 
 class Svbsp final : public PointTechnique {
  public:
-  Choice order{this,
-               "order",
-               "tiles",
-               {"tiles", "bsp", "face_planes"},
-               Stage::build,
-               "Order of polygons: nearest first in tiles, front to back by a regular BSP tree of the scene, or shuffled."};
-  Choice split{this,
-               "split",
-               "balanced",
-               {"balanced", "fewest_splits", "first"},
-               Stage::build,
-               "Which polygon's plane splits a cell of the regular BSP tree, for order=bsp and the painter: of the least 8 "
-               "cuts + imbalance, of the fewest cuts, or the first one's."};
+  Choice order =
+      Choice(this, "order", "tiles", {"tiles", "bsp", "face_planes"}, Stage::build,
+             "Order of polygons: nearest first in tiles, front to back by a regular BSP tree of the scene, or shuffled.");
+  Choice split = Choice(this, "split", "balanced", {"balanced", "fewest_splits", "first"}, Stage::build,
+                        "Which polygon's plane splits a cell of the regular BSP tree, for order=bsp and the painter: of the "
+                        "least 8 cuts + imbalance, of the fewest cuts, or the first one's.");
   Flag free_cuts{this, "free_cuts", true, Stage::build,
                  "The regular BSP tree may also be split by planes across an axis that hold no polygon; not with split=first."};
-  Choice drop_edges{
-      this,           "drop_edges",
-      "shared",       {"shared", "cut", "none"},
-      Stage::relight, "Edges without a shadow plane: those on one already, those that cuts by one made, or none."};
-  Number<int> tile_size{this,
-                        "tile_size",
-                        16,
-                        {.unit = "polygons", .min = 1, .max = 4096, .log = true},
-                        Stage::relight,
-                        "Tiles hold about as many polygons; those with more are split, where that deals them out."};
+  Choice drop_edges = Choice(this, "drop_edges", "shared", {"shared", "cut", "none"}, Stage::relight,
+                             "Edges without a shadow plane: those on one already, those that cuts by one made, or none.");
+  Number<int> tile_size =
+      Number<int>(this, "tile_size", 16, {.unit = "polygons", .min = 1, .max = 4096, .log = true}, Stage::relight,
+                  "Tiles hold about as many polygons; those with more are split, where that deals them out.");
   Flag merge{this, "merge", true, Stage::relight,
              "Surface detail: a polygon whose fragments are all lit, or all shadowed, is left whole."};
 
-  void build(const Scene& scene) override;
-  void relight(const Light& light) override;
-  void resolve(const GBuffer& gbuffer, VisibilityMask& mask) override;
-  Counts counts() const override;
+  void build(const Scene& scene) override {
+    remember(scene);
+    built_->triangles.clear();
+    built_->triangles.reserve(scene.triangle_count());
+    built_->bounds = {};
+    for_triangles(scene, [&](const glm::vec3& a, const glm::vec3& b, const glm::vec3& c, std::uint32_t mesh, std::uint32_t) {
+      built_->triangles.push_back({{{a, b, c}}, mesh});
+      if (scene.meshes[mesh].casts)
+        for (const glm::vec3& p : {a, b, c}) built_->bounds.add(p);
+    });
+    built_->bsp.reset();
+    built_->drawn_bsp.reset();
+    if (order.is("bsp")) built_->bsp.emplace(scene, bsp_options());
+  }
+
+  void relight(const Light& light) override {
+    light_ = light;
+    const glm::dvec4 at = homogeneous(light);
+    space_ = ProjectedSpace(at, built_->bounds);
+    find_facing(built_->triangles, at, signs_);
+    polygon_count_ = 0;
+    for (std::uint32_t i = 0; i < built_->triangles.size(); ++i) polygon_count_ += casts(i);
+    make_pieces(at);
+    forest_.grow(space_, pieces_, facing(), static_cast<Forest::Order>(order.index()), rules(), built_->bounds.extent());
+  }
+
+  void resolve(const GBuffer& gbuffer, VisibilityMask& mask) override {
+    gbuffer_ = &gbuffer;
+    const std::span<float> pixels = mask.pixels();
+    constexpr std::size_t rows = 8;
+    const std::size_t block = rows * static_cast<std::size_t>(gbuffer.width);
+    std::vector<std::pair<std::uint64_t, std::uint64_t>> work((gbuffer.size() + block - 1) / block);
+    for_blocks(gbuffer.size(), block, [&](std::size_t begin, std::size_t end) {
+      auto& [locations, visits] = work[begin / block];
+      constexpr std::size_t most = 32;
+      Query queries[most];
+      std::size_t count = 0;
+      for (std::size_t i = begin; i < end; ++i) {
+        pixels[i] = 1;
+        if (faces_light(gbuffer, i)) queries[count++] = query(gbuffer, i);
+        if (count < most && i + 1 < end) continue;
+        locations += count;
+        locate<most>({queries, count}, visits);
+        for (const Query& query : std::span(queries, count))
+          if (shading_triangle(gbuffer, query) != nothing) pixels[query.pixel] = 0;
+        count = 0;
+      }
+    });
+    locations_ = visits_ = 0;
+    for (const auto& [locations, visits] : work) {
+      locations_ += locations;
+      visits_ += visits;
+    }
+  }
+
+  Counts counts() const override {
+    const TreeWork work = forest_.work();
+    const std::size_t bytes = bytes_of(signs_, front_to_back_) + pieces_.bytes() + forest_.bytes();
+    const std::size_t shared_bytes = bytes_of(built_->triangles) + (built_->bsp ? built_->bsp->bytes() : 0);
+    std::size_t pieces = 0;
+    for (int face = 0; face < 6; ++face) pieces += pieces_.of_face(face).size();
+    const std::uint64_t fragments = work.lit + work.shadowed;
+    Counts counts{count_of("polygons", polygon_count_),
+                  count_of("pieces", pieces),
+                  count_of("tiles", forest_.tile_count() + forest_.node_count() - work.planes),
+                  count_of("nodes", forest_.node_count()),
+                  count_of("shadow_planes", work.planes),
+                  most_of("depth", forest_.depth()),
+                  count_of("fragments", fragments),
+                  count_of("lit_fragments", work.lit),
+                  count_of("hidden", work.hidden),
+                  mean_of("fragments_per_polygon", fragments, polygon_count_),
+                  count_of("splits", work.cuts + work.crossings),
+                  count_of("tile_splits", work.tile_cuts),
+                  count_of("queries", locations_),
+                  mean_of("visits", visits_, locations_),
+                  {"bytes", static_cast<double>(bytes) + built_.own(static_cast<double>(shared_bytes)), "byte"}};
+    if (built_->bsp) {
+      counts.push_back(most_of("bsp_nodes", built_->bsp->node_count()));
+      counts.push_back(most_of("bsp_splits", built_->bsp->split_count()));
+      counts.push_back(most_of("bsp_depth", built_->bsp->depth()));
+    }
+    return counts;
+  }
+
   std::optional<SurfaceDetail> surface_detail() const override { return remembered_->scene ? divide(merge) : SurfaceDetail{}; }
   std::vector<DebugLayer> debug_layers() const override {
     std::vector<DebugLayer> layers = detail_layers();
@@ -78,7 +147,19 @@ class Svbsp final : public PointTechnique {
                                  heat_debug_layer("visits", "Nodes visited to locate each point")});
     return layers;
   }
-  std::vector<float> draw_debug(std::string_view layer) const override;
+  std::vector<float> draw_debug(std::string_view layer) const override {
+    if (layer == "fragments") return paint_detail(*remembered_->scene, *gbuffer_, light_, divide(merge, gbuffer_));
+    if (layer == "splits") return paint_splits(*remembered_->scene, *gbuffer_, light_, divide(false, gbuffer_));
+    if (layer == "bsp") return paint_bsp(*remembered_->scene, *gbuffer_, light_, regular_tree());
+    if (layer == "painter") return paint();
+    if (layer != "visits") return Technique::draw_debug(layer);
+    return heat_of([&](std::size_t i) {
+      std::uint64_t visits = 0;
+      locate_one(i, visits);
+      return visits;
+    });
+  }
+
   std::unique_ptr<Technique> for_another_light() const override { return another(*this, &Svbsp::remembered_, &Svbsp::built_); }
 
  private:
@@ -90,30 +171,79 @@ class Svbsp final : public PointTechnique {
     return shading_triangle(*gbuffer_, locate_one(index, visits));
   }
   BspOptions bsp_options() const {
-    return {.choice = split.is("first")           ? BspOptions::Choice::first
-                      : split.is("fewest_splits") ? BspOptions::Choice::fewest_splits
-                                                  : BspOptions::Choice::balanced,
-            .free_cuts = free_cuts && !split.is("first")};
+    return {.choice = static_cast<BspOptions::Choice>(split.index()), .free_cuts = free_cuts && !split.is("first")};
   }
   Rules rules() const {
-    return {.epsilon = {},
-            .drop = drop_edges.is("none")  ? Drop::none
-                    : drop_edges.is("cut") ? Drop::cut
-                                           : Drop::shared,
-            .tile_size = static_cast<std::size_t>(tile_size)};
+    const auto drop = static_cast<Drop>(drop_edges.index());
+    return {.epsilon = {}, .drop = drop, .tile_size = static_cast<std::size_t>(tile_size)};
   }
   bool casts(std::uint32_t triangle) const {
     return signs_[triangle] != 0 && remembered_->scene->meshes[built_->triangles[triangle].mesh].casts;
   }
-  void make_pieces(const glm::dvec4& light);
+  void make_pieces(const glm::dvec4& light) {
+    if (!built_->bsp) {
+      pieces_.make(space_, facing(), built_->triangles.size(), [&](std::size_t i, Corner* scratch) -> Pieces::Part {
+        const auto triangle = static_cast<std::uint32_t>(i);
+        if (!casts(triangle)) return {triangle, {}};
+        for (int k = 0; k < 3; ++k) scratch[k] = {glm::dvec3(built_->triangles[i].points[k]), own_edge};
+        return {triangle, {scratch, 3}};
+      });
+      return;
+    }
+    front_to_back_.clear();
+    built_->bsp->front_to_back(light, [&](std::span<const BspPolygon> set) {
+      for (const BspPolygon& polygon : set)
+        if (casts(polygon.triangle)) front_to_back_.push_back(&polygon);
+    });
+    pieces_.make(space_, facing(), front_to_back_.size(), [&](std::size_t i, Corner*) -> Pieces::Part {
+      return {front_to_back_[i]->triangle, built_->bsp->corners(*front_to_back_[i])};
+    });
+  }
+
   /// Of all triangles, or of those that a picture shows.
-  SurfaceDetail divide(bool merges, const GBuffer* shown = nullptr) const;
-  std::vector<std::uint8_t> find_shown(const GBuffer& gbuffer) const;
-  /// The regular BSP tree of the scene, for pictures: made when it is first asked for, where no order needs it.
-  const Bsp& regular_tree() const;
-  std::vector<float> paint() const;
+  SurfaceDetail divide(bool merges, const GBuffer* shown = nullptr) const {
+    const std::vector<std::uint8_t> is_shown =
+        shown ? find_shown(*shown) : std::vector<std::uint8_t>(built_->triangles.size(), 1);
+    return divide_triangles(*remembered_->scene, remembered_->numbers, space_, forest_, facing(), is_shown, merges);
+  }
+  std::vector<std::uint8_t> find_shown(const GBuffer& gbuffer) const {
+    std::vector<std::uint8_t> is_shown(built_->triangles.size(), 0);
+    for (std::size_t i = 0; i < gbuffer.size(); ++i) {
+      if (gbuffer.is_background(i)) continue;
+      const NumberedReceiver receiver = this->receiver(gbuffer, i);
+      if (!is_shown[receiver.first_own]) std::fill_n(is_shown.begin() + receiver.first_own, receiver.own_count, 1);
+    }
+    return is_shown;
+  }
+
+  /// The regular BSP tree of the scene, for pictures: made at the first request where no order needs it.
+  const Bsp& regular_tree() const {
+    if (built_->bsp) return *built_->bsp;
+    if (!built_->drawn_bsp) built_->drawn_bsp.emplace(*remembered_->scene, bsp_options());
+    return *built_->drawn_bsp;
+  }
+  /// The second pass of the source: the regular BSP tree's polygons with their surface detail.
+  std::vector<float> paint() const {
+    const Bsp& bsp = regular_tree();
+    const Facing facing = this->facing();
+    Divider divider(space_, forest_, facing, remembered_->numbers);
+    SurfaceDetail detail;
+    return paint_back_to_front(*remembered_->scene, *gbuffer_, light_, bsp, [&](const BspPolygon& polygon, DetailBrush& brush) {
+      detail.corners.clear();
+      detail.polygons.clear();
+      divider.divide(bsp.corners(polygon), polygon.triangle, merge, detail);
+      for (const DetailPolygon& part : detail.polygons)
+        brush.paint(std::span<const glm::dvec3>(detail.corners).subspan(part.first, part.count), part.is_lit);
+    });
+  }
+
   Facing facing() const { return {built_->triangles, signs_}; }
-  Query query(const GBuffer& gbuffer, std::size_t i) const;
+  Query query(const GBuffer& gbuffer, std::size_t i) const {
+    const auto [face, at] = space_.of_world(gbuffer.position(i));
+    Query query = forest_.query(face, at);
+    query.pixel = static_cast<std::uint32_t>(i);
+    return query;
+  }
   /// The query of a pixel, in its cell.
   Query locate_one(std::size_t i, std::uint64_t& visits) const {
     Query query = this->query(*gbuffer_, i);
@@ -121,7 +251,15 @@ class Svbsp final : public PointTechnique {
     return query;
   }
   /// The triangle that shades a pixel's point, or `nothing`; the query is in its cell.
-  std::uint32_t shading_triangle(const GBuffer& gbuffer, const Query& query) const;
+  std::uint32_t shading_triangle(const GBuffer& gbuffer, const Query& query) const {
+    if (!is_in_cell(query.link)) return nothing;
+    const std::uint32_t nearest = triangle_in(query.link);
+    const NumberedReceiver receiver = this->receiver(gbuffer, query.pixel);
+    if (receiver.is_own(nearest)) return nothing;
+    const glm::vec3* p = built_->triangles[nearest].points;
+    if (orient3d_sign(p[0], p[1], p[2], receiver.point) != -signs_[nearest]) return nothing;
+    return receiver.is_coplanar(*remembered_->scene, p) ? nothing : nearest;
+  }
 
   struct Built {
     Bounds bounds;                         // of the casters
@@ -138,187 +276,6 @@ class Svbsp final : public PointTechnique {
   std::size_t polygon_count_ = 0;  // triangles that cast and are not edge-on
   std::uint64_t locations_ = 0, visits_ = 0;
 };
-
-void Svbsp::build(const Scene& scene) {
-  remember(scene);
-  built_->triangles.clear();
-  built_->triangles.reserve(scene.triangle_count());
-  Bounds bounds;
-  for_triangles(scene, [&](const glm::vec3& a, const glm::vec3& b, const glm::vec3& c, std::uint32_t mesh, std::uint32_t) {
-    built_->triangles.push_back({{{a, b, c}}, mesh});
-    if (scene.meshes[mesh].casts)
-      for (const glm::vec3& p : {a, b, c}) bounds.add(p);
-  });
-  built_->bounds = bounds;
-  built_->bsp.reset();
-  built_->drawn_bsp.reset();
-  if (order.is("bsp")) built_->bsp.emplace(scene, bsp_options());
-}
-
-void Svbsp::relight(const Light& light) {
-  light_ = light;
-  const glm::dvec4 at = homogeneous(light);
-  space_ = ProjectedSpace(at, built_->bounds);
-  find_facing(built_->triangles, at, signs_);
-  polygon_count_ = 0;
-  for (std::uint32_t i = 0; i < built_->triangles.size(); ++i) polygon_count_ += casts(i);
-  make_pieces(at);
-  double extent = 0;
-  for (const glm::vec3& p : {built_->bounds.min, built_->bounds.max})
-    if (!built_->bounds.empty())
-      for (int k = 0; k < 3; ++k) extent = std::max(extent, std::abs(double{p[k]}));
-  forest_.grow(space_, pieces_, facing(),
-               order.is("tiles") ? Forest::Order::tiles
-               : order.is("bsp") ? Forest::Order::bsp
-                                 : Forest::Order::face_planes,
-               rules(), extent);
-}
-
-void Svbsp::make_pieces(const glm::dvec4& light) {
-  if (!built_->bsp) {
-    pieces_.make(space_, facing(), built_->triangles.size(), [&](std::size_t i, Corner* scratch) -> Pieces::Part {
-      const auto triangle = static_cast<std::uint32_t>(i);
-      if (!casts(triangle)) return {triangle, {}};
-      for (int k = 0; k < 3; ++k) scratch[k] = {glm::dvec3(built_->triangles[i].points[k]), own_edge};
-      return {triangle, {scratch, 3}};
-    });
-    return;
-  }
-  front_to_back_.clear();
-  built_->bsp->front_to_back(light, [&](std::span<const BspPolygon> set) {
-    for (const BspPolygon& polygon : set)
-      if (casts(polygon.triangle)) front_to_back_.push_back(&polygon);
-  });
-  pieces_.make(space_, facing(), front_to_back_.size(), [&](std::size_t i, Corner*) -> Pieces::Part {
-    return {front_to_back_[i]->triangle, built_->bsp->corners(*front_to_back_[i])};
-  });
-}
-
-Query Svbsp::query(const GBuffer& gbuffer, std::size_t i) const {
-  const auto [face, at] = space_.of_world(gbuffer.position(i));
-  Query query = forest_.query(face, at);
-  query.pixel = static_cast<std::uint32_t>(i);
-  return query;
-}
-
-std::uint32_t Svbsp::shading_triangle(const GBuffer& gbuffer, const Query& query) const {
-  if (!is_in_cell(query.link)) return nothing;
-  const std::uint32_t nearest = triangle_in(query.link);
-  const NumberedReceiver receiver = this->receiver(gbuffer, query.pixel);
-  if (receiver.is_own(nearest)) return nothing;
-  const glm::vec3* p = built_->triangles[nearest].points;
-  if (orient3d_sign(p[0], p[1], p[2], receiver.point) != -signs_[nearest]) return nothing;
-  return receiver.is_coplanar(*remembered_->scene, p) ? nothing : nearest;
-}
-
-void Svbsp::resolve(const GBuffer& gbuffer, VisibilityMask& mask) {
-  gbuffer_ = &gbuffer;
-  const std::span<float> pixels = mask.pixels();
-  constexpr std::size_t rows = 8;
-  const std::size_t block = rows * static_cast<std::size_t>(gbuffer.width);
-  std::vector<std::pair<std::uint64_t, std::uint64_t>> work((gbuffer.size() + block - 1) / block);
-  for_blocks(gbuffer.size(), block, [&](std::size_t begin, std::size_t end) {
-    auto& [locations, visits] = work[begin / block];
-    constexpr std::size_t most = 32;
-    Query queries[most];
-    std::size_t count = 0;
-    for (std::size_t i = begin; i < end; ++i) {
-      pixels[i] = 1;
-      if (faces_light(gbuffer, i)) queries[count++] = query(gbuffer, i);
-      if (count < most && i + 1 < end) continue;
-      locations += count;
-      locate<most>({queries, count}, visits);
-      for (const Query& query : std::span(queries, count))
-        if (shading_triangle(gbuffer, query) != nothing) pixels[query.pixel] = 0;
-      count = 0;
-    }
-  });
-  locations_ = visits_ = 0;
-  for (const auto& [locations, visits] : work) {
-    locations_ += locations;
-    visits_ += visits;
-  }
-}
-
-Counts Svbsp::counts() const {
-  const TreeWork work = forest_.work();
-  const std::size_t bytes = bytes_of(signs_, front_to_back_) + pieces_.bytes() + forest_.bytes();
-  const std::size_t shared_bytes = bytes_of(built_->triangles) + (built_->bsp ? built_->bsp->bytes() : 0);
-  std::size_t pieces = 0;
-  for (int face = 0; face < 6; ++face) pieces += pieces_.of_face(face).size();
-  const std::uint64_t fragments = work.lit + work.shadowed;
-  Counts counts = {count_of("polygons", polygon_count_),
-                   count_of("pieces", pieces),
-                   count_of("tiles", forest_.tile_count() + forest_.node_count() - work.planes),
-                   count_of("nodes", forest_.node_count()),
-                   count_of("shadow_planes", work.planes),
-                   most_of("depth", forest_.depth()),
-                   count_of("fragments", fragments),
-                   count_of("lit_fragments", work.lit),
-                   count_of("hidden", work.hidden),
-                   mean_of("fragments_per_polygon", fragments, polygon_count_),
-                   count_of("splits", work.cuts + work.crossings),
-                   count_of("tile_splits", work.tile_cuts),
-                   count_of("queries", locations_),
-                   mean_of("visits", visits_, locations_),
-                   {"bytes", static_cast<double>(bytes) + built_.own(static_cast<double>(shared_bytes)), "byte"}};
-  if (built_->bsp) {
-    counts.push_back(most_of("bsp_nodes", built_->bsp->node_count()));
-    counts.push_back(most_of("bsp_splits", built_->bsp->split_count()));
-    counts.push_back(most_of("bsp_depth", built_->bsp->depth()));
-  }
-  return counts;
-}
-
-std::vector<std::uint8_t> Svbsp::find_shown(const GBuffer& gbuffer) const {
-  std::vector<std::uint8_t> is_shown(built_->triangles.size(), 0);
-  for (std::size_t i = 0; i < gbuffer.size(); ++i) {
-    if (gbuffer.is_background(i)) continue;
-    const NumberedReceiver receiver = this->receiver(gbuffer, i);
-    if (!is_shown[receiver.first_own]) std::fill_n(is_shown.begin() + receiver.first_own, receiver.own_count, 1);
-  }
-  return is_shown;
-}
-
-SurfaceDetail Svbsp::divide(bool merges, const GBuffer* shown) const {
-  const std::vector<std::uint8_t> is_shown =
-      shown ? find_shown(*shown) : std::vector<std::uint8_t>(built_->triangles.size(), 1);
-  return divide_triangles(*remembered_->scene, remembered_->numbers, space_, forest_, facing(), is_shown, merges);
-}
-
-const Bsp& Svbsp::regular_tree() const {
-  if (built_->bsp) return *built_->bsp;
-  if (!built_->drawn_bsp) built_->drawn_bsp.emplace(*remembered_->scene, bsp_options());
-  return *built_->drawn_bsp;
-}
-
-/// The second pass of the source: the regular BSP tree's polygons with their surface detail.
-std::vector<float> Svbsp::paint() const {
-  const Bsp& bsp = regular_tree();
-  const Facing facing = this->facing();
-  Divider divider(space_, forest_, facing, remembered_->numbers);
-  SurfaceDetail detail;
-  return paint_back_to_front(*remembered_->scene, *gbuffer_, light_, bsp, [&](const BspPolygon& polygon, DetailBrush& brush) {
-    detail.corners.clear();
-    detail.polygons.clear();
-    divider.divide(bsp.corners(polygon), polygon.triangle, merge, detail);
-    for (const DetailPolygon& part : detail.polygons)
-      brush.paint(std::span<const glm::dvec3>(detail.corners).subspan(part.first, part.count), part.is_lit);
-  });
-}
-
-std::vector<float> Svbsp::draw_debug(std::string_view layer) const {
-  if (layer == "fragments") return paint_detail(*remembered_->scene, *gbuffer_, light_, divide(merge, gbuffer_));
-  if (layer == "splits") return paint_splits(*remembered_->scene, *gbuffer_, light_, divide(false, gbuffer_));
-  if (layer == "bsp") return paint_bsp(*remembered_->scene, *gbuffer_, light_, regular_tree());
-  if (layer == "painter") return paint();
-  if (layer != "visits") return Technique::draw_debug(layer);
-  return heat_of([&](std::size_t i) {
-    std::uint64_t visits = 0;
-    locate_one(i, visits);
-    return visits;
-  });
-}
 
 }  // namespace
 

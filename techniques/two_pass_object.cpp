@@ -35,12 +35,9 @@ constexpr About about{
 
 class TwoPassObject final : public PointTechnique {
  public:
-  Number<double> cell_triangles{this,
-                                "cell_triangles",
-                                24,
-                                {.unit = "triangles", .min = 2, .max = 256, .log = true},
-                                Stage::relight,
-                                "About how many triangles a cell of the light-space grid holds; it never changes the answer."};
+  Number<double> cell_triangles =
+      Number<double>(this, "cell_triangles", 24, {.unit = "triangles", .min = 2, .max = 256, .log = true}, Stage::relight,
+                     "About how many triangles a cell of the light-space grid holds; it never changes the answer.");
   Flag merge{this, "merge", true, Stage::relight,
              "Surface detail of a triangle that is lit, or in shadow, throughout is one polygon; the mask does not need it."};
 
@@ -57,18 +54,51 @@ class TwoPassObject final : public PointTechnique {
     merges_ = merge;
     is_lit_up_ = true;
   }
-  void resolve(const GBuffer& gbuffer, VisibilityMask& mask) override;
-  Counts counts() const override;
+  void resolve(const GBuffer& gbuffer, VisibilityMask& mask) override {
+    gbuffer_ = &gbuffer;
+    const std::span<float> pixels = mask.pixels();
+    std::ranges::fill(pixels, 1.0f);
+    work_ = for_facing_pixels(gbuffer, PointWork(), [&](std::size_t i, PointWork& work) {
+      if (!map_.is_lit(triangles_, receiver(gbuffer, i), work)) pixels[i] = 0;
+    });
+  }
+
+  Counts counts() const override {
+    const Work& work = map_.work();
+    std::size_t polygons = 0;
+    for (std::uint32_t i = 0; i < triangles_.size(); ++i) polygons += triangles_.takes_part(i);
+    return {count_of("cells", work.cells),
+            count_of("pairs_tested", work.pairs_tested),
+            count_of("pairs_clipped", work.pairs_clipped),
+            count_of("pairs_near", work.near),
+            count_of("splits", work.splits),
+            count_of("lit_pieces", work.lit),
+            count_of("shadowed_pieces", work.shadowed),
+            count_of("hidden", work.hidden),
+            mean_of("fragments_per_polygon", work.lit + work.shadowed, polygons),
+            count_of("point_locations", work_.points),
+            count_of("points_asked", work_.exact),
+            {"bytes", static_cast<double>(triangles_.bytes() + map_.bytes()), "byte"}};
+  }
+
   std::optional<SurfaceDetail> surface_detail() const override {
     return is_lit_up_ ? make_detail(*remembered_->scene, triangles_, map_, merges_) : SurfaceDetail{};
   }
   std::vector<DebugLayer> debug_layers() const override {
     std::vector<DebugLayer> layers = detail_layers();
-    layers.push_back(splits_layer());
-    layers.push_back(heat_debug_layer("clips", "Casters that took a part away from each point's triangle in its cell"));
+    const auto clips = heat_debug_layer("clips", "Casters that took a part away from each point's triangle in its cell");
+    layers.insert(layers.end(), {splits_layer(), clips});
     return layers;
   }
-  std::vector<float> draw_debug(std::string_view layer) const override;
+  std::vector<float> draw_debug(std::string_view layer) const override {
+    if (layer == "fragments")
+      return paint_detail(*remembered_->scene, *gbuffer_, light_, make_detail(*remembered_->scene, triangles_, map_, merges_));
+    if (layer == "splits")
+      return paint_splits(*remembered_->scene, *gbuffer_, light_, make_detail(*remembered_->scene, triangles_, map_, false));
+    if (layer == "clips") return heat_of([&](std::size_t i) { return map_.clips_at(triangles_, receiver(*gbuffer_, i)); });
+    return Technique::draw_debug(layer);
+  }
+
   std::unique_ptr<Technique> for_another_light() const override {
     return another(*this, &TwoPassObject::remembered_, &TwoPassObject::triangles_);
   }
@@ -84,42 +114,6 @@ class TwoPassObject final : public PointTechnique {
   LightMap map_;
   PointWork work_;
 };
-
-void TwoPassObject::resolve(const GBuffer& gbuffer, VisibilityMask& mask) {
-  gbuffer_ = &gbuffer;
-  const std::span<float> pixels = mask.pixels();
-  std::ranges::fill(pixels, 1.0f);
-  work_ = for_facing_pixels(gbuffer, PointWork(), [&](std::size_t i, PointWork& work) {
-    if (!map_.is_lit(triangles_, receiver(gbuffer, i), work)) pixels[i] = 0;
-  });
-}
-
-Counts TwoPassObject::counts() const {
-  const Work& work = map_.work();
-  std::size_t polygons = 0;
-  for (std::uint32_t i = 0; i < triangles_.size(); ++i) polygons += triangles_.takes_part(i);
-  return {count_of("cells", work.cells),
-          count_of("pairs_tested", work.pairs_tested),
-          count_of("pairs_clipped", work.pairs_clipped),
-          count_of("pairs_near", work.near),
-          count_of("splits", work.splits),
-          count_of("lit_pieces", work.lit),
-          count_of("shadowed_pieces", work.shadowed),
-          count_of("hidden", work.hidden),
-          mean_of("fragments_per_polygon", work.lit + work.shadowed, polygons),
-          count_of("point_locations", work_.points),
-          count_of("points_asked", work_.asked),
-          {"bytes", static_cast<double>(triangles_.bytes() + map_.bytes()), "byte"}};
-}
-
-std::vector<float> TwoPassObject::draw_debug(std::string_view layer) const {
-  if (layer == "fragments")
-    return paint_detail(*remembered_->scene, *gbuffer_, light_, make_detail(*remembered_->scene, triangles_, map_, merges_));
-  if (layer == "splits")
-    return paint_splits(*remembered_->scene, *gbuffer_, light_, make_detail(*remembered_->scene, triangles_, map_, false));
-  if (layer == "clips") return heat_of([&](std::size_t i) { return map_.clips_at(triangles_, receiver(*gbuffer_, i)); });
-  return Technique::draw_debug(layer);
-}
 
 }  // namespace
 

@@ -1,4 +1,4 @@
-// Variance shadow map: a texel holds depth and its square, so that means of texels tell mean and variance of the depths below.
+// Variance shadow map: a texel holds depth and its square, so that means of texels give mean and variance of the depths below.
 #include <gnomon/kit/maps/filtered_map.h>
 #include <gnomon/registry.h>
 
@@ -19,13 +19,10 @@ constexpr About about{
     .floor = Floor::depth_draw};
 
 class VarianceMap final : public FilteredMap {
-  Number<double> least_deviation{this,
-                                 "least_deviation",
-                                 0.5,
-                                 {.unit = "permille", .min = 0, .max = 100},
-                                 Stage::resolve,
-                                 "Depths count as spread by at least this share of the image's depth range, against acne, and "
-                                 "by more where 16 bits round."};
+  Number<double> least_deviation = Number<double>(
+      this, "least_deviation", 0.5, {.unit = "permille", .min = 0, .max = 100}, Stage::resolve,
+      "Depths count as spread by at least this share of the image's depth range, against acne, and by more where 16 bits "
+      "round.");
 
  public:
   std::unique_ptr<Technique> for_another_light() const override { return another(*this, &VarianceMap::made_); }
@@ -38,9 +35,8 @@ class VarianceMap final : public FilteredMap {
             .constants = "float least_variance;"};
   }
   void set_constants(const Program& program) const override {
-    const double deviation = 1e-3 * least_deviation;
-    // Of a square near 1 in float32; and of the mean square, and twice that of the mean, where they are stored.
-    const double rounded = 1e-7 + 3 * rounding().absolute;
+    // Rounding of a square near 1 in float32; and of the mean square, and twice that of the mean, where they are stored.
+    const double deviation = 1e-3 * least_deviation, rounded = 1e-7 + 3 * rounding().absolute;
     program.set_if_used("least_variance", static_cast<float>(deviation * deviation + rounded));
   }
 };

@@ -1,17 +1,16 @@
-// Virtual shadow map: pages of one huge depth image of the light, of which only those are drawn that the picture asks for, at
-// the level that its pixels ask for.
+// Virtual shadow map: pages of one huge depth image of the light. Only the pages that the picture requests are drawn, at the
+// level that its pixels request.
 //
-// All but the fit is work of resolve. A pass over the G-buffer writes for every pixel which page it asks for; the processor
+// All but the fit is work of resolve. A pass over the G-buffer writes for every pixel which page it requests; the processor
 // collects these words and sorts the casters' triangles to pages; each page draws its own; a second pass looks up, by the very
 // words that the first one wrote, so that no rounding can make it miss a page.
+#include <gnomon/kit/counts.h>
 #include <gnomon/kit/geometry/camera.h>
-#include <gnomon/kit/maps/light_map.h>
 #include <gnomon/kit/shared.h>
 #include <gnomon/registry.h>
 
 #include "virtual_map/layers.h"
 #include "virtual_map/pool.h"
-#include "virtual_map/shaders.h"
 
 namespace {
 using namespace gnomon;
@@ -34,42 +33,23 @@ constexpr About about{
     .floor = Floor::depth_draw};
 
 class VirtualMap final : public Technique {
-  Number<double> texels_per_pixel{this,
-                                  "texels_per_pixel",
-                                  1,
-                                  {.unit = "texel", .min = 1, .max = 16, .log = true},
-                                  Stage::resolve,
-                                  "How many texels there are at least along a pixel's side: of levels, each half as "
-                                  "fine as the one before, a pixel takes the coarsest that has as many."};
-  Choice measure{
-      this,
-      "measure",
-      "shorter",
-      {"shorter", "mean"},
-      Stage::setup,
-      "Which of a pixel's sides counts, seen from the light: the shorter one (or an eighth of the longer one, where that is "
-      "more), or the geometric mean of both."};
-  Choice page_size{this,
-                   "page_size",
-                   "128",
-                   {"64", "128", "256"},
-                   Stage::setup,
-                   "Texels along a page's side: of larger pages more lies beside what is asked for, of smaller ones "
-                   "there are more to draw."};
-  Number<int> pages{
-      this,
-      "pages",
-      8192,
-      {.unit = "page", .min = 6, .max = 32768, .log = true},
-      Stage::resolve,
-      "Room: of more pages than this all levels are raised until they fit, and levels_raised counts by how many. A page takes "
-      "64 KiB (16 KiB, 256 KiB) where page_size is 128 (64, 256); what is not asked for takes none."};
-  Number<double> depth_bias{this,
-                            "depth_bias",
-                            2,
-                            {.unit = "texel", .min = 0, .max = 64},
-                            Stage::resolve,
-                            "What is added to the bias of the receiver's own plane, in world widths of a texel at the point."};
+  Number<double> texels_per_pixel =
+      Number<double>(this, "texels_per_pixel", 1, {.unit = "texel", .min = 1, .max = 16, .log = true}, Stage::resolve,
+                     "How many texels there are at least along a pixel's side: of levels, each half as fine as the one before, "
+                     "a pixel takes the coarsest that has as many.");
+  Choice measure = Choice(this, "measure", "shorter", {"shorter", "mean"}, Stage::setup,
+                          "Which of a pixel's sides counts, seen from the light: the shorter one (or an eighth of the longer "
+                          "one, where that is more), or the geometric mean of both.");
+  Choice page_size = Choice(this, "page_size", "128", {"64", "128", "256"}, Stage::setup,
+                            "Texels along a page's side: of larger pages more lies beside what is asked for, of smaller ones "
+                            "there are more to draw.");
+  Number<int> pages =
+      Number<int>(this, "pages", 8192, {.unit = "page", .min = 6, .max = 32768, .log = true}, Stage::resolve,
+                  "Room: of more pages than this all levels are raised until they fit, and levels_raised counts by how many. "
+                  "A page takes 64 KiB (16 KiB, 256 KiB) where page_size is 128 (64, 256); what is not asked for takes none.");
+  Number<double> depth_bias =
+      Number<double>(this, "depth_bias", 2, {.unit = "texel", .min = 0, .max = 64}, Stage::resolve,
+                     "What is added to the bias of the receiver's own plane, in world widths of a texel at the point.");
 
  public:
   Support supports(const Scene&, const Light& light, const View&) const override {
@@ -77,29 +57,162 @@ class VirtualMap final : public Technique {
     if (const Support support = light_map_support(light, PoolLayout::width, fit_margin, 1); !support) return support;
     return within_limits({.texture_size = layout.rows * size(), .texture_layers = layout.layers});
   }
-  void setup() override;
-  void build(const Scene& scene) override;
-  void relight(const Light& light) override;
-  void resolve(const GBuffer& gbuffer, VisibilityMask& mask) override;
-  Counts counts() const override;
+  void setup() override {
+    made_->drawer.setup();
+    for (int k = 0; k < light_projection_count; ++k) {
+      const auto projection = LightProjection(k);
+      const std::string constants = light_map_constants(projection);
+      const auto program = [&](std::string_view title, std::string_view more, std::string_view define, std::string_view body) {
+        return pass_program(title, fmt::format("{}{}", constants, more),
+                            fmt::format("{}{}{}{}", define, light_map_head(projection), page_head(size()), body));
+      };
+      made_->address_programs[k] =
+          program("virtual_map addresses", "", fmt::format("#define MEASURE {}\n", measure.index()), address_fragment);
+      made_->look_up_programs[k] = program("virtual_map look-up", look_up_constants, "", look_up_fragment);
+      made_->explain_programs[k] = program("virtual_map look-up", look_up_constants, "#define EXPLAIN\n", look_up_fragment);
+    }
+    made_->framebuffer = make_framebuffer();
+    warm_up(*this);
+  }
+  void build(const Scene& scene) override {
+    made_->scene = &scene;
+    made_->boxes = mesh_boxes(scene);
+    made_->solid_parts = solid_parts(scene);
+    scene_buffers(scene);
+  }
+  void relight(const Light& light) override {
+    light_ = light;
+    camera_ = finest_camera(light, made_->boxes);
+    footprints_ = footprints_of(*made_->scene, made_->solid_parts, camera_);
+  }
+  void resolve(const GBuffer& gbuffer, VisibilityMask& mask) override {
+    const StateGuard guard;
+    gbuffer_ = &gbuffer;
+    if (made_->read_back.of == this) made_->read_back = {};
+    const SceneBuffers& buffers = scene_buffers(*made_->scene);
+    find_addresses();
+    table_ = pages_of(asked_, static_cast<std::size_t>(pages.value()), top());
+    layout_ = PoolLayout(table_.pages.size(), size());
+    fill(lists_, *made_->scene, buffers, camera_, footprints_, table_, size());
+    write_places();
+    made_->drawer.draw(buffers, camera_, table_, lists_, layout_, pool_);
+    look_up(made_->look_up_programs[projection()], mask.texture());
+    glFinish();
+  }
+  Counts counts() const override {
+    const double shared_bytes = static_cast<double>(made_->drawer.bytes() + bytes_of(made_->solid_parts));
+    const double bytes = static_cast<double>(pool_.bytes + addresses_.bytes + places_.bytes + lists_.bins.bytes() +
+                                             bytes_of(footprints_.all, asked_, table_.pages, lists_.corners));
+    return {{"pages_asked_for", double(table_.asked_count), "page"},
+            {"pages", double(table_.pages.size()), "page"},
+            most_of("levels", table_.level_count()),
+            most_of("levels_raised", table_.raised),
+            {"texels", double(table_.pages.size()) * size() * size(), "texel"},
+            count_of("triangles", lists_.triangle_count()),
+            {"bytes", bytes + made_.own(shared_bytes), "byte"}};
+  }
   std::unique_ptr<Technique> for_another_light() const override { return another(*this, &VirtualMap::made_); }
-  std::optional<Explanation> explain(std::size_t index) const override;
+  std::optional<Explanation> explain(std::size_t index) const override {
+    const PageAddress page = page_at(index);
+    if (page.word == PageAddress::none || !faces_light(*made_->scene, *gbuffer_, light_, index)) return Explanation();
+    const LightImage image = at_level(camera_.images[page.face()], page.level());
+    const glm::dvec3 point = gbuffer_->position(index), q = image.seen(point);
+    const glm::dvec3 ray = image.is_perspective ? q / q.z : glm::dvec3(0, 0, 1);
+    const double facing = -glm::dot(image.turned(gbuffer_->normal(index)), ray);
+    Explanation why;
+    why.texel_width = image.largest_texel(q);
+    const double error = camera_.rounding * (image.is_perspective ? 1 + q.z * q.z / (image.near * image.far) : 1);
+    why.bias = (depth_bias * why.texel_width + (error + why.texel_width / 128) / facing) * glm::length(ray);
+    const glm::vec4 looked = looked_up()[index];
+    why.taps.push_back(image.tap(glm::dvec2(looked) + 0.5, image.axis_distance(looked.z), 1));
+    return why;
+  }
   std::vector<DebugLayer> debug_layers() const override { return virtual_map::debug_layers(); }
-  std::vector<float> draw_debug(std::string_view layer) const override;
+  std::vector<float> draw_debug(std::string_view layer) const override {
+    if (layer == "map") {
+      const std::vector<float> depths = read_texels<float>(pool_, GL_DEPTH_COMPONENT);
+      const auto depth_at = [&](std::uint32_t slot, const glm::ivec2& texel) {
+        const glm::ivec3 place = layout_.place(slot);
+        const std::size_t row = std::size_t(place.z) * pool_.height + place.y * size() + texel.y;
+        return depths[row * pool_.width + place.x * size() + texel.x];
+      };
+      return paint_map(camera_, table_, size(), gbuffer_->width, gbuffer_->height, depth_at);
+    }
+    if (layer != "pages" && layer != "texels") return Technique::draw_debug(layer);
+    std::vector<PageAddress> pages(gbuffer_->size());
+    std::vector<glm::ivec2> texels(gbuffer_->size());
+    for (std::size_t i = 0; i < pages.size(); ++i) {
+      pages[i] = page_at(i);
+      texels[i] = glm::ivec2(looked_up()[i]);
+    }
+    const std::vector<float> mask =
+        read_mask(*gbuffer_, [&](unsigned target) { look_up(made_->look_up_programs[projection()], target); });
+    const Resolved resolved{camera_, *made_->scene, *gbuffer_, light_, pages, texels, mask};
+    return layer == "pages" ? paint_pages(resolved) : paint_texels(resolved);
+  }
 
  private:
   int size() const { return 64 << page_size.index(); }
   int top() const { return top_level(size()); }
   int projection() const { return static_cast<int>(projection_of(camera_)); }
-  Program look_up_program(LightProjection projection, std::string_view first_line) const;
-  void find_addresses();
-  void write_places();
-  void look_up(const Program& program, unsigned target) const;
-  const std::vector<glm::vec4>& looked_up() const;
-  std::vector<float> answer() const;
   /// The page that a pixel was looked up in; none where it does not face the light, or nothing casts.
   PageAddress page_at(std::size_t index) const {
     return asked_[index] == PageAddress::none ? PageAddress() : PageAddress{asked_[index]}.raised(table_.raised, top());
+  }
+  void find_addresses() {
+    const GBufferTextures& textures = gbuffer_textures(*gbuffer_, *made_->scene);
+    const Program& program = made_->address_programs[projection()];
+    set_light_camera(program, light_, camera_);
+    const Camera eye(gbuffer_->view, gbuffer_->width, gbuffer_->height);
+    program.set("eye", glm::vec4(eye.eye, std::log2(texels_per_pixel)));
+    program.set("axis", glm::vec3(eye.forward));
+    program.set("right_step", glm::vec3(eye.ray(1, 0) - eye.ray(0, 0)));
+    program.set("down_step", glm::vec3(eye.ray(0, 1) - eye.ray(0, 0)));
+    addresses_.fit(GL_R32UI, gbuffer_->width, gbuffer_->height);
+    const GLuint framebuffer = made_->framebuffer.name(), none[4] = {};
+    glNamedFramebufferTexture(framebuffer, GL_COLOR_ATTACHMENT0, addresses_.name(), 0);
+    glClearNamedFramebufferuiv(framebuffer, GL_COLOR, 0, none);
+    glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
+    glViewport(0, 0, gbuffer_->width, gbuffer_->height);
+    bind_gbuffer(textures);
+    glUseProgram(program.name());
+    draw_receivers(textures);
+    asked_.resize(gbuffer_->size());
+    glGetTextureImage(addresses_.name(), 0, GL_RED_INTEGER, GL_UNSIGNED_INT, static_cast<GLsizei>(4 * asked_.size()),
+                      asked_.data());
+  }
+  /// Writes for each pixel where its page lies in the pool.
+  void write_places() {
+    std::vector<std::uint32_t> places(asked_.size());
+    for_blocks(asked_.size(), 16384, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) {
+        if (asked_[i] == PageAddress::none) continue;
+        places[i] = i > begin && asked_[i] == asked_[i - 1] ? places[i - 1] : layout_.word(table_.slot(page_at(i)));
+      }
+    });
+    places_.fit(GL_R32UI, gbuffer_->width, gbuffer_->height);
+    glTextureSubImage2D(places_.name(), 0, 0, 0, gbuffer_->width, gbuffer_->height, GL_RED_INTEGER, GL_UNSIGNED_INT,
+                        places.data());
+  }
+  void look_up(const Program& program, unsigned target) const {
+    set_light_camera(program, light_, camera_, [&](const LightImage& image) {
+      return image.is_perspective ? camera_.rounding / (image.near * image.far) : image.far;
+    });
+    program.set("look_up", glm::vec4(depth_bias.value(), camera_.rounding, table_.raised, 0));
+    glBindTextureUnit(3, pool_.name());
+    glBindTextureUnit(4, addresses_.name());
+    glBindTextureUnit(5, places_.name());
+    draw_mask(program, made_->framebuffer, target, gbuffer_textures(*gbuffer_, *made_->scene));
+  }
+  /// Where each pixel looked in the last resolve, by the shader itself: next to a border of texels, float32 decides.
+  const std::vector<glm::vec4>& looked_up() const {
+    ReadBack& read_back = made_->read_back;
+    if (read_back.of == this) return read_back.looked_up;
+    const StateGuard guard;
+    const Texture texels(GL_RGBA32F, gbuffer_->width, gbuffer_->height);
+    look_up(made_->explain_programs[projection()], texels.name());
+    read_back = {.of = this, .looked_up = read_texels<glm::vec4>(texels, GL_RGBA)};
+    return read_back.looked_up;
   }
 
   /// What questions need, in memory: of one object at a time.
@@ -127,177 +240,6 @@ class VirtualMap final : public Technique {
   Texture addresses_, places_, pool_;
   const GBuffer* gbuffer_ = nullptr;
 };
-
-Program VirtualMap::look_up_program(LightProjection projection, std::string_view first_line) const {
-  return pass_program("virtual_map look-up", look_up_constants(projection),
-                      fmt::format("{}{}{}{}", first_line, light_map_head(projection), page_head(size()), look_up_fragment));
-}
-
-void VirtualMap::setup() {
-  made_->drawer.setup();
-  for (int k = 0; k < light_projection_count; ++k) {
-    const auto projection = LightProjection(k);
-    made_->address_programs[k] = pass_program("virtual_map addresses", light_map_constants(projection),
-                                              fmt::format("{}{}#define MEASURE {}\n{}", light_map_head(projection),
-                                                          page_head(size()), measure.index(), address_fragment));
-    made_->look_up_programs[k] = look_up_program(projection, "");
-    made_->explain_programs[k] = look_up_program(projection, "#define EXPLAIN\n");
-  }
-  made_->framebuffer = make_framebuffer();
-  warm_up(*this);
-}
-
-void VirtualMap::build(const Scene& scene) {
-  made_->scene = &scene;
-  made_->boxes = mesh_boxes(scene);
-  made_->solid_parts = solid_parts(scene);
-  scene_buffers(scene);
-}
-
-void VirtualMap::relight(const Light& light) {
-  light_ = light;
-  camera_ = finest_camera(light, made_->boxes);
-  footprints_ = footprints_of(*made_->scene, made_->solid_parts, camera_);
-}
-
-void VirtualMap::resolve(const GBuffer& gbuffer, VisibilityMask& mask) {
-  const StateGuard guard;
-  gbuffer_ = &gbuffer;
-  if (made_->read_back.of == this) made_->read_back = {};
-  const SceneBuffers& buffers = scene_buffers(*made_->scene);
-  find_addresses();
-  table_ = pages_of(asked_, static_cast<std::size_t>(pages.value()), top());
-  layout_ = PoolLayout(table_.pages.size(), size());
-  fill(lists_, *made_->scene, buffers, camera_, footprints_, table_, size());
-  write_places();
-  made_->drawer.draw(buffers, camera_, table_, lists_, layout_, pool_);
-  look_up(made_->look_up_programs[projection()], mask.texture());
-  glFinish();
-}
-
-void VirtualMap::find_addresses() {
-  const GBufferTextures& textures = gbuffer_textures(*gbuffer_, *made_->scene);
-  const Program& program = made_->address_programs[projection()];
-  set_light_camera(program, light_, camera_);
-  const Camera eye(gbuffer_->view, gbuffer_->width, gbuffer_->height);
-  program.set("eye", glm::vec4(eye.eye, std::log2(texels_per_pixel)));
-  program.set("axis", glm::vec3(eye.forward));
-  program.set("right_step", glm::vec3(eye.ray(1, 0) - eye.ray(0, 0)));
-  program.set("down_step", glm::vec3(eye.ray(0, 1) - eye.ray(0, 0)));
-  addresses_.fit(GL_R32UI, gbuffer_->width, gbuffer_->height);
-  const GLuint framebuffer = made_->framebuffer.name(), none[4] = {};
-  glNamedFramebufferTexture(framebuffer, GL_COLOR_ATTACHMENT0, addresses_.name(), 0);
-  glClearNamedFramebufferuiv(framebuffer, GL_COLOR, 0, none);
-  glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
-  glViewport(0, 0, gbuffer_->width, gbuffer_->height);
-  bind_gbuffer(textures);
-  glUseProgram(program.name());
-  draw_receivers(textures);
-  asked_.resize(gbuffer_->size());
-  glGetTextureImage(addresses_.name(), 0, GL_RED_INTEGER, GL_UNSIGNED_INT, static_cast<GLsizei>(4 * asked_.size()),
-                    asked_.data());
-}
-
-/// Tells each pixel where its page lies in the pool.
-void VirtualMap::write_places() {
-  std::vector<std::uint32_t> places(asked_.size());
-  for_blocks(asked_.size(), 16384, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      if (asked_[i] == PageAddress::none) continue;
-      places[i] = i > begin && asked_[i] == asked_[i - 1] ? places[i - 1] : layout_.word(table_.slot(page_at(i)));
-    }
-  });
-  places_.fit(GL_R32UI, gbuffer_->width, gbuffer_->height);
-  glTextureSubImage2D(places_.name(), 0, 0, 0, gbuffer_->width, gbuffer_->height, GL_RED_INTEGER, GL_UNSIGNED_INT,
-                      places.data());
-}
-
-void VirtualMap::look_up(const Program& program, unsigned target) const {
-  set_light_camera(program, light_, camera_, [&](const LightImage& image) {
-    return image.is_perspective ? camera_.rounding / (image.near * image.far) : image.far;
-  });
-  program.set("look_up", glm::vec4(depth_bias.value(), camera_.rounding, table_.raised, 0));
-  const GBufferTextures& textures = gbuffer_textures(*gbuffer_, *made_->scene);
-  bind_gbuffer(textures);
-  glBindTextureUnit(3, pool_.name());
-  glBindTextureUnit(4, addresses_.name());
-  glBindTextureUnit(5, places_.name());
-  begin_mask(made_->framebuffer, target, textures);
-  glUseProgram(program.name());
-  draw_receivers(textures);
-  glNamedFramebufferTexture(made_->framebuffer.name(), GL_COLOR_ATTACHMENT0, 0, 0);
-}
-
-Counts VirtualMap::counts() const {
-  const double shared_bytes = static_cast<double>(made_->drawer.bytes() + bytes_of(made_->solid_parts));
-  const double bytes = static_cast<double>(pool_.bytes + addresses_.bytes + places_.bytes + lists_.bins.bytes() +
-                                           bytes_of(footprints_.all, asked_, table_.pages, lists_.corners));
-  return {{"pages_asked_for", double(table_.asked_count), "page"},
-          {"pages", double(table_.pages.size()), "page"},
-          {"levels", double(table_.level_count()), "", Count::Together::largest},
-          {"levels_raised", double(table_.raised), "", Count::Together::largest},
-          {"texels", double(table_.pages.size()) * size() * size(), "texel"},
-          {"triangles", double(lists_.triangle_count()), ""},
-          {"bytes", bytes + made_.own(shared_bytes), "byte"}};
-}
-
-/// Where each pixel looked in the last resolve, by the very shader: next to a border of texels, float32 decides.
-const std::vector<glm::vec4>& VirtualMap::looked_up() const {
-  ReadBack& read_back = made_->read_back;
-  if (read_back.of == this) return read_back.looked_up;
-  const StateGuard guard;
-  const Texture texels(GL_RGBA32F, gbuffer_->width, gbuffer_->height);
-  look_up(made_->explain_programs[projection()], texels.name());
-  read_back = {.of = this, .looked_up = read_texels<glm::vec4>(texels, GL_RGBA)};
-  return read_back.looked_up;
-}
-
-std::optional<Explanation> VirtualMap::explain(std::size_t index) const {
-  const PageAddress page = page_at(index);
-  if (page.word == PageAddress::none || !faces_light(*made_->scene, *gbuffer_, light_, index)) return Explanation();
-  const LightImage image = at_level(camera_.images[page.face()], page.level());
-  const glm::dvec3 point = gbuffer_->position(index), q = image.seen(point);
-  const glm::dvec3 ray = image.is_perspective ? q / q.z : glm::dvec3(0, 0, 1);
-  const double facing = -glm::dot(image.turned(gbuffer_->normal(index)), ray);
-  Explanation why;
-  why.texel_width = image.largest_texel(q);
-  const double error = camera_.rounding * (image.is_perspective ? 1 + q.z * q.z / (image.near * image.far) : 1);
-  why.bias = (depth_bias * why.texel_width + (error + why.texel_width / 128) / facing) * glm::length(ray);
-  const glm::vec4 looked = looked_up()[index];
-  why.taps.push_back(image.tap(glm::dvec2(looked) + 0.5, image.axis_distance(looked.z), 1));
-  return why;
-}
-
-/// The mask of the last resolve, once more.
-std::vector<float> VirtualMap::answer() const {
-  const StateGuard guard;
-  VisibilityMask mask(gbuffer_->width, gbuffer_->height);
-  look_up(made_->look_up_programs[projection()], mask.texture());
-  const std::span<const float> pixels = mask.read();
-  return {pixels.begin(), pixels.end()};
-}
-
-std::vector<float> VirtualMap::draw_debug(std::string_view layer) const {
-  if (layer == "map") {
-    const std::vector<float> depths = read_texels<float>(pool_, GL_DEPTH_COMPONENT);
-    const auto depth_at = [&](std::uint32_t slot, const glm::ivec2& texel) {
-      const glm::ivec3 place = layout_.place(slot);
-      const std::size_t row = std::size_t(place.z) * pool_.height + place.y * size() + texel.y;
-      return depths[row * pool_.width + place.x * size() + texel.x];
-    };
-    return paint_map(camera_, table_, size(), gbuffer_->width, gbuffer_->height, depth_at);
-  }
-  if (layer != "pages" && layer != "texels") return Technique::draw_debug(layer);
-  std::vector<PageAddress> pages(gbuffer_->size());
-  std::vector<glm::ivec2> texels(gbuffer_->size());
-  for (std::size_t i = 0; i < pages.size(); ++i) {
-    pages[i] = page_at(i);
-    texels[i] = glm::ivec2(looked_up()[i]);
-  }
-  const std::vector<float> mask = answer();
-  const Resolved resolved{camera_, *made_->scene, *gbuffer_, light_, pages, texels, mask};
-  return layer == "pages" ? paint_pages(resolved) : paint_texels(resolved);
-}
 
 }  // namespace
 

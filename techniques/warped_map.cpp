@@ -12,7 +12,6 @@
 #include <gnomon/kit/parallel.h>
 #include <gnomon/registry.h>
 
-#include <cmath>
 #include <mutex>
 
 #include "warped_map/warp.h"
@@ -33,53 +32,16 @@ constexpr About about{
     .needs_gl = true,
     .floor = Floor::depth_draw};
 
-constexpr int row_count = 256;  // of what the window shows: its hull is known to a row
-
-/// Depths from the eye, meters.
-struct Depths {
-  double near = INFINITY, far = -INFINITY;
-  void add(double depth) { add({depth, depth}); }
-  void add(const Depths& other) {
-    near = std::min(near, other.near);
-    far = std::max(far, other.far);
-  }
-};
+constexpr int row_count = 256;  // of what the window shows: its hull is exact to a row
 
 /// What an image's window shows.
 struct Shown {
   warped_map::Rows rows;
-  Depths depths{};
+  warped_map::Span depths{};  ///< from the eye, meters
   void add(const Shown& other) {
     rows.add(other.rows);
     depths.add(other.depths);
   }
-};
-
-class WarpedMap final : public ComparedMap {
-  Choice warp{this,
-              "warp",
-              "light_space_perspective",
-              {"light_space_perspective", "trapezoidal", "none"},
-              Stage::resolve,
-              "Where the center of the image's perspective lies."};
-  Number<double> focus{this,
-                       "focus",
-                       0.5,
-                       {.unit = "", .min = 0.01, .max = 0.8},
-                       Stage::resolve,
-                       "Share of what is seen, along the view, that gets 80 % of the image; for warp=trapezoidal."};
-
- public:
-  WarpedMap() : ComparedMap({.bias = "receiver_plane", .depth_bias = 2, .slope_bias = 1}) {}
-  std::unique_ptr<Technique> for_another_light() const override { return another(*this, &WarpedMap::made_); }
-
- private:
-  std::optional<LightCamera> fitted_to_scene(const Light&, const MeshBoxes&, int) const override { return std::nullopt; }
-  LightCamera fitted_to_view(const Light& light, const MeshBoxes& boxes, const GBuffer& gbuffer, int margin) const override;
-  LightImages images() const override { return LightImages::warped; }
-  /// Of the center of the warp, in window coordinates; infinity for none. `sine` is that of the angle between light and view,
-  /// `length` that of the window along the view.
-  double distance(const LightImage& image, const Depths& depths, double sine, double length) const;
 };
 
 /// Calls add(found, point) for all points, with a `found` of its own on each thread, and joins them.
@@ -111,55 +73,71 @@ bool turn_along_view(LightSpaceFace& face, const glm::dvec3& point, const glm::d
   return true;
 }
 
-double WarpedMap::distance(const LightImage& image, const Depths& depths, double sine, double length) const {
-  const double depth = (depths.far - depths.near) * sine;  // of what is shown, along the window if it were in meters
-  if (warp.is("none") || !(depth > 0) || depths.near <= 0) return INFINITY;
-  // Where depth is less than the window's length, so is the perspective that it asks for.
-  if (warp.is("trapezoidal")) {
-    const double share = image.is_perspective ? 1 : std::min(1.0, depth / length);
-    return warped_map::trapezoidal_distance(length, focus * length) / share;
-  }
-  const double meters = warped_map::light_space_perspective_distance(depths.near, depths.far, sine);
-  return image.is_perspective ? meters * length / depth : meters;
-}
+class WarpedMap final : public ComparedMap {
+  Choice warp = Choice(this, "warp", "light_space_perspective", {"light_space_perspective", "trapezoidal", "none"},
+                       Stage::resolve, "Where the center of the image's perspective lies.");
+  Number<double> focus =
+      Number<double>(this, "focus", 0.5, {.min = 0.01, .max = 0.8}, Stage::resolve,
+                     "Share of what is seen, along the view, that gets 80 % of the image; for warp=trapezoidal.");
 
-LightCamera WarpedMap::fitted_to_view(const Light& light, const MeshBoxes& boxes, const GBuffer& gbuffer, int margin) const {
-  const glm::dvec3 eye = gbuffer.view.eye, axis = glm::normalize(glm::dvec3(gbuffer.view.target) - eye);
-  const std::vector<glm::dvec3> points = points_facing(light, boxes, gbuffer);
-  LightSpaceFace face = light_space_of(light, boxes).main();
-  const auto add = [&](LightExtent& found, const glm::dvec3& point) {
-    const glm::dvec3 q = face.seen(point);
-    found.add(face.place(q), q.z);
-  };
-  // The view's way through the window is that in the middle of what is seen.
-  const LightExtent before = over(points, LightExtent{}, add);
-  double sine = 0;
-  if (!before.empty()) {
-    const double z = (before.near + before.far) / 2;
-    const glm::dvec2 window = (before.low + before.high) / 2.0;
-    const glm::dvec3 middle = face.to_world(glm::dvec3(face.is_perspective ? window * z : window, z));
-    const glm::dvec3 from_light = face.is_perspective ? glm::normalize(middle - face.origin) : face.axis(2);
-    if (turn_along_view(face, middle, axis)) sine = glm::length(glm::cross(from_light, axis));
+ public:
+  WarpedMap() : ComparedMap({.bias = "receiver_plane", .depth_bias = 2, .slope_bias = 1}) {}
+  std::unique_ptr<Technique> for_another_light() const override { return another(*this, &WarpedMap::made_); }
+
+ private:
+  std::optional<LightCamera> fitted_to_scene(const Light&, const MeshBoxes&, int) const override { return std::nullopt; }
+  LightCamera fitted_to_view(const Light& light, const MeshBoxes& boxes, const GBuffer& gbuffer, int margin) const override {
+    const glm::dvec3 eye = gbuffer.view.eye, axis = glm::normalize(glm::dvec3(gbuffer.view.target) - eye);
+    const std::vector<glm::dvec3> points = points_facing(light, boxes, gbuffer);
+    LightSpaceFace face = light_space_of(light, boxes).main();
+    const auto add = [&](LightExtent& found, const glm::dvec3& point) {
+      const glm::dvec3 q = face.seen(point);
+      found.add(face.place(q), q.z);
+    };
+    // The view's way through the window is that in the middle of what is seen.
+    const LightExtent before = over(points, LightExtent{}, add);
+    double sine = 0;
+    if (!before.empty()) {
+      const double z = (before.near + before.far) / 2;
+      const glm::dvec2 window = (before.low + before.high) / 2.0;
+      const glm::dvec3 middle = face.to_world(glm::dvec3(face.is_perspective ? window * z : window, z));
+      const glm::dvec3 from_light = face.is_perspective ? glm::normalize(middle - face.origin) : face.axis(2);
+      if (turn_along_view(face, middle, axis)) sine = glm::length(glm::cross(from_light, axis));
+    }
+    const LightExtent seen = over(points, LightExtent{}, add);
+    LightCamera camera = fit_to_extents(light, LightSpace(face), boxes, {&seen, 1}, image_resolution(), margin);
+    LightImage& image = camera.images[0];
+    if (image.layer < 0) return camera;
+    // Of the points those where something may cast: in the window, which rounding must not take the outermost out of.
+    const glm::dvec2 low = image.window_of(glm::dvec2(margin)), high = image.window_of(glm::dvec2(image_resolution() - margin));
+    const glm::dvec2 slack = 0.5 / image.scale;
+    const Shown shown =
+        over(points, Shown{warped_map::Rows(low.y, high.y, row_count)}, [&](Shown& found, const glm::dvec3& point) {
+          const glm::dvec2 window = face.place_of(point), inside = glm::clamp(window, low, high);
+          if (glm::any(glm::greaterThan(glm::abs(window - inside), slack))) return;
+          found.rows.add(inside);
+          found.depths.add(glm::dot(axis, point - eye));
+        });
+    const double length = high.y - low.y;
+    if (const auto corners = shown.rows.corners(); !corners.empty() && length > 0)
+      warped_map::warp(image, corners, distance(image, shown.depths, sine, length), image_resolution(), margin);
+    return camera;
   }
-  const LightExtent seen = over(points, LightExtent{}, add);
-  LightCamera camera = fit_to_extents(light, LightSpace(face), boxes, {&seen, 1}, image_resolution(), margin);
-  LightImage& image = camera.images[0];
-  if (image.layer < 0) return camera;
-  // Of the points those where something may cast: in the window, which rounding must not take the outermost out of.
-  const glm::dvec2 low = image.window_of(glm::dvec2(margin)), high = image.window_of(glm::dvec2(image_resolution() - margin));
-  const glm::dvec2 slack = 0.5 / image.scale;
-  const Shown shown =
-      over(points, Shown{warped_map::Rows(low.y, high.y, row_count)}, [&](Shown& found, const glm::dvec3& point) {
-        const glm::dvec2 window = face.place_of(point), inside = glm::clamp(window, low, high);
-        if (glm::any(glm::greaterThan(glm::abs(window - inside), slack))) return;
-        found.rows.add(inside);
-        found.depths.add(glm::dot(axis, point - eye));
-      });
-  const double length = high.y - low.y;
-  if (const auto corners = shown.rows.corners(); !corners.empty() && length > 0)
-    warped_map::warp(image, corners, distance(image, shown.depths, sine, length), image_resolution(), margin);
-  return camera;
-}
+  LightImages images() const override { return LightImages::warped; }
+  /// Of the center of the warp, in window coordinates; infinity for none. `sine` is that of the angle between light and view,
+  /// `length` that of the window along the view.
+  double distance(const LightImage& image, const warped_map::Span& depths, double sine, double length) const {
+    const double depth = depths.length() * sine;  // of what is shown, along the window if it were in meters
+    if (warp.is("none") || !(depth > 0) || depths.low <= 0) return INFINITY;
+    // Where depth is less than the window's length, so is the perspective that it needs.
+    if (warp.is("trapezoidal")) {
+      const double share = image.is_perspective ? 1 : std::min(1.0, depth / length);
+      return warped_map::trapezoidal_distance(length, focus * length) / share;
+    }
+    const double meters = warped_map::light_space_perspective_distance(depths.low, depths.high, sine);
+    return image.is_perspective ? meters * length / depth : meters;
+  }
+};
 
 }  // namespace
 

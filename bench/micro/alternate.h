@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <chrono>
 #include <ctime>
+#include <string>
 #include <vector>
 
 namespace gnomon {
@@ -49,6 +50,12 @@ void alternate(benchmark::State& state, const Contender& contender, const Floor&
   state.counters["median_ms"] = 1000 * of_contender.median();
   state.counters["ratio"] = of_contender.median() / of_floor.median();
   state.counters["cpu_ratio"] = of_contender.cpu_median() / of_floor.cpu_median();
+}
+
+/// Registers a benchmark whose iterations report their own time, in milliseconds.
+template <class... Arguments>
+benchmark::internal::Benchmark* add_timed(const std::string& name, const Arguments&... arguments) {
+  return benchmark::RegisterBenchmark(name.c_str(), arguments...)->UseManualTime()->Unit(benchmark::kMillisecond);
 }
 
 }  // namespace gnomon

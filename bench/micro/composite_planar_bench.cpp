@@ -1,6 +1,6 @@
 // What composite_planar costs beside the least that its stages must do.
 //
-// resolve            Beside one full-screen pass that fetches the same textures, asks which pixels face the light and writes
+// resolve            Beside one full-screen pass that fetches the same textures, tests which pixels face the light and writes
 //                    the same target; both by turns in one run, `ratio` is the ratio of their medians. `few`: the shadows of
 //                    16 shapes cover the share `dark` of the picture. Wanted: at most 1.3 where that is a fifth at most.
 //                    `all`: each of 1, 4, 16 shapes covers all of it. Wanted: at most 4.
@@ -9,14 +9,12 @@
 //                    all vertices of its tessellation (floor), as dearly as that is done: 1 / `ratio` is what the paper saves.
 #include <benchmark/benchmark.h>
 #include <gnomon/kit/geometry/planar_shadow.h>
-#include <gnomon/kit/geometry/shapes.h>
 #include <gnomon/kit/gl/gl_pass.h>
 #include <gnomon/kit/random.h>
-#include <gnomon/registry.h>
 
 #include "bench/micro/alternate.h"
+#include "bench/micro/scenes.h"
 #include "device/context.h"
-#include "measure/frame/gbuffer_maker.h"
 
 namespace {
 using namespace gnomon;
@@ -42,19 +40,10 @@ std::vector<Shape> mixed(int count, float size, float half) {
   std::vector<Shape> shapes;
   for (int i = 0; i < count; ++i) {
     const glm::vec3 at(random.uniform(glm::dvec3(-half, 0.5, -half), glm::dvec3(half, 2, half)));
-    switch (i % 4) {
-      case 0:
-        shapes.push_back(Sphere{at, size});
-        break;
-      case 1:
-        shapes.push_back(Cone{at, {0, 1, 0}, size, 2 * size});
-        break;
-      case 2:
-        shapes.push_back(Disc{at, {0, 1, 0}, size});
-        break;
-      default:
-        shapes.push_back(Triangle{{at + glm::vec3(-size, 0, 0), at + glm::vec3(size, 0, 0), at + glm::vec3(0, 2 * size, 0)}});
-    }
+    const glm::vec3 side(size, 0, 0), up(0, 2 * size, 0);
+    const Shape kinds[] = {Sphere{at, size}, Cone{at, {0, 1, 0}, size, 2 * size}, Disc{at, {0, 1, 0}, size},
+                           Triangle{{at - side, at + side, at + up}}};
+    shapes.push_back(kinds[i % 4]);
   }
   return shapes;
 }
@@ -94,14 +83,9 @@ struct Rig {
 
   Rig(const std::vector<Shape>& shapes, const std::string& settings) : scene(scene_of(shapes)) {
     process_context();
-    const RayScene everything(scene, Truth::shape, RayScene::Which::all);
-    gbuffer = make_gbuffer(scene, everything, scene.views[0], width, height, Truth::shape);
-    technique = registry().technique("composite_planar").make();
-    technique->apply(settings);
+    gbuffer = seen(scene, scene.views[0], width, height, Truth::shape);
     gbuffer_textures(gbuffer, scene);
-    technique->setup();
-    technique->build(scene);
-    technique->relight(scene.lights[0]);
+    technique = made("composite_planar", settings, scene, scene.lights[0]);
   }
 };
 
@@ -175,10 +159,7 @@ void characteristic(benchmark::State& state, const Shape& shape) {
   for (const char* form : {"exact", "paper"}) {
     const std::string settings = fmt::format("form={}", form);
     const auto add = [&](const std::string& name, const std::vector<Shape>& shapes) {
-      benchmark::RegisterBenchmark(fmt::format("composite_planar/resolve/{}/{}", form, name).c_str(), resolve, shapes, settings)
-          ->UseManualTime()
-          ->Iterations(25)
-          ->Unit(benchmark::kMillisecond);
+      add_timed(fmt::format("composite_planar/resolve/{}/{}", form, name), resolve, shapes, settings)->Iterations(25);
     };
     add("few_16_small", mixed(16, 0.35f, 2.5f));
     add("few_16_large", mixed(16, 2.2f, 3));
@@ -188,20 +169,15 @@ void characteristic(benchmark::State& state, const Shape& shape) {
       for (const int count : {64, 256}) add(fmt::format("slats_{}", count), slats(count));
     benchmark::RegisterBenchmark(fmt::format("composite_planar/relight/{}", form).c_str(), relight, settings)
         ->ArgName("shapes")
-        ->Arg(16)
-        ->Arg(64)
-        ->Arg(256)
+        ->ArgsProduct({{16, 64, 256}})
         ->Unit(benchmark::kMicrosecond);
   }
   for (const auto& [name, shape] :
        {std::pair("sphere", Shape(Sphere{{0, 2, 0}, 0.5f})), std::pair("cone", Shape(Cone{{0, 2, 0}, {0, 1, 0}, 0.5f, 1})),
         std::pair("disc", Shape(Disc{{0, 2, 0}, {0, 1, 0}, 0.5f}))})
-    benchmark::RegisterBenchmark(fmt::format("composite_planar/characteristic/{}", name).c_str(), characteristic, shape)
+    add_timed(fmt::format("composite_planar/characteristic/{}", name), characteristic, shape)
         ->ArgName("segments")
-        ->Arg(16)
-        ->Arg(64)
-        ->Arg(256)
-        ->UseManualTime()
+        ->ArgsProduct({{16, 64, 256}})
         ->Iterations(500)
         ->Unit(benchmark::kMicrosecond);
   return true;

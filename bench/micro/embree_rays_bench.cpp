@@ -3,42 +3,27 @@
 // Wanted: resolve reaches at least 0.85 of the bare loop's throughput.
 //
 // The bare loop finds its packets filled (fill_packet, before the clock starts). rtcOccluded16 overwrites tfar, so the bare
-// loop stores 16 constants into each packet before it asks: 64 of 768 bytes, charged to it. It leaves its answers in tfar;
-// resolve fills its packets from the G-buffer, asks the same question and writes the mask, all on the clock.
+// loop stores 16 constants into each packet before it traces it: 64 of 768 bytes, charged to it. It leaves its answers in tfar;
+// resolve fills its packets from the G-buffer, traces the same rays and writes the mask, all on the clock.
 #include <benchmark/benchmark.h>
 #include <embree3/rtcore.h>
-#include <gnomon/kit/geometry/shapes.h>
 #include <gnomon/kit/rays/rays.h>
-#include <gnomon/registry.h>
 #include <tbb/blocked_range.h>
 #include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <bit>
-#include <chrono>
 
-#include "measure/frame/gbuffer_maker.h"
-#include "measure/scene/load.h"
+#include "bench/micro/alternate.h"
+#include "bench/micro/scenes.h"
 
 namespace {
 using namespace gnomon;
 
 constexpr int width = 960, height = 540;
 
-/// A ball of 100 488 triangles (318 around, 159 from pole to pole) without its exact shape, on a ground.
-Scene sphere_mesh() {
-  Mesh ball = tessellate(Sphere{{0, 1.5f, 0}, 1.5f}, 318, "ball");
-  ball.shape.reset();
-  Scene scene;
-  scene.name = "sphere_mesh";
-  scene.meshes = {tessellate(ground_plane(6), default_segments, "ground"), std::move(ball)};
-  scene.lights = {{.name = "point", .kind = PointLight{{-4, 6, 3}}}};
-  scene.views = {{.eye = {1, 4, 7}, .target = {0, 1, 0}}};
-  return scene;
-}
-
-/// One packet as the bare loop wants it, with lanes as Embree takes them: -1 is on.
+/// One packet as the bare loop requires it, with lanes as Embree takes them: -1 is on.
 struct Question {
   ShadowPacket packet;
   alignas(64) std::array<int, 16> valid;
@@ -70,13 +55,9 @@ struct Rig {
   std::vector<Question> questions;
   std::size_t ray_count = 0;
 
-  explicit Rig(Scene made) : scene(std::move(made)), casters(scene, Truth::mesh, RayScene::Which::casters) {
-    const RayScene everything(scene, Truth::mesh, RayScene::Which::all);
-    gbuffer = make_gbuffer(scene, everything, scene.views[0], width, height, Truth::mesh);
-    technique = registry().technique("embree_rays").make();
-    technique->setup();
-    technique->build(scene);
-    technique->relight(scene.lights[0]);
+  explicit Rig(Scene of) : scene(std::move(of)), casters(scene, Truth::mesh, RayScene::Which::casters) {
+    gbuffer = seen(scene, scene.views[0], width, height);
+    technique = made("embree_rays", "", scene, scene.lights[0]);
     for (std::size_t first = 0; first < gbuffer.size(); first += 16) {
       Question question;
       const std::uint32_t lanes = fill_packet(scene, gbuffer, scene.lights[0], first, question.packet);
@@ -113,13 +94,10 @@ struct Rig {
 };
 
 Rig& rig(int index) {
-  static Rig rigs[] = {Rig(load_scene("soup:count=10000")), Rig(load_scene("box_city")), Rig(sphere_mesh())};
+  // The ball has 100 488 triangles: 318 around, 159 from pole to pole.
+  static Rig rigs[] = {Rig(load_scene("soup:count=10000")), Rig(load_scene("box_city")),
+                       Rig(ball_over_ground("sphere_mesh", 1.5f, 318))};
   return rigs[index];
-}
-
-double median(std::vector<double>& values) {
-  std::ranges::nth_element(values, values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2));
-  return values[values.size() / 2];
 }
 
 void resolve(benchmark::State& state) {
@@ -128,35 +106,23 @@ void resolve(benchmark::State& state) {
   VisibilityMask mask(width, height);
   const auto ours = [&] { r.technique->resolve(r.gbuffer, mask); };
   const auto bare = [&] { r.trace_bare(); };
-  const auto seconds = [](const auto& work) {
-    const auto start = std::chrono::steady_clock::now();
-    work();
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  };
   ours();
   bare();
-  if (r.bare_blocked_count() != static_cast<std::size_t>(std::ranges::count(mask.read(), 0.0f))) {
-    state.SkipWithError("the bare loop and resolve disagree");
-    return;
-  }
-  std::vector<double> our_seconds, bare_seconds;
+  if (r.bare_blocked_count() != static_cast<std::size_t>(std::ranges::count(mask.read(), 0.0f)))
+    return state.SkipWithError("the bare loop and resolve disagree");
+  Timings our_times, bare_times;
   for (auto _ : state) {
-    bare_seconds.push_back(seconds(bare));
-    our_seconds.push_back(seconds(ours));
-    state.SetIterationTime(our_seconds.back());
+    bare_times.add(bare);
+    state.SetIterationTime(our_times.add(ours));
   }
   const double mega_rays = 1e-6 * static_cast<double>(r.ray_count);
-  state.counters["Mray/s"] = mega_rays / median(our_seconds);
-  state.counters["bare_Mray/s"] = mega_rays / median(bare_seconds);
-  state.counters["ratio"] = median(bare_seconds) / median(our_seconds);
+  state.counters["Mray/s"] = mega_rays / our_times.median();
+  state.counters["bare_Mray/s"] = mega_rays / bare_times.median();
+  state.counters["ratio"] = bare_times.median() / our_times.median();
   state.SetLabel(r.scene.name);
 }
 
-}  // namespace
+[[maybe_unused]] const auto* const registered =
+    add_timed("embree_rays/resolve", resolve) -> ArgNames({"scene", "threads"}) -> ArgsProduct({{0, 1, 2}, {1, 2}});
 
-BENCHMARK(resolve)
-    ->Name("embree_rays/resolve")
-    ->ArgNames({"scene", "threads"})
-    ->ArgsProduct({{0, 1, 2}, {1, 2}})
-    ->UseManualTime()
-    ->Unit(benchmark::kMillisecond);
+}  // namespace

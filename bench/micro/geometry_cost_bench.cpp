@@ -1,5 +1,5 @@
-// What a new geometry costs: the stages as a worker tells them, and the uploads told beside, held to the wall clock of the same
-// work done here, from an empty OpenGL to a finished mask. Told less than nine tenths of the clock, it is an error.
+// What a new geometry costs: the stages and uploads that a worker reports, beside the wall clock of the same work done here,
+// from an empty OpenGL to a finished mask. It is an error if the worker reports less than nine tenths of the clock.
 #include <benchmark/benchmark.h>
 #include <gnomon/kit/gl/gl.h>
 #include <gnomon/registry.h>

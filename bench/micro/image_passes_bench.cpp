@@ -66,6 +66,19 @@ void main() {
   Framebuffer framebuffer_ = make_framebuffer();
 };
 
+/// Contender and floor until the device has drawn.
+template <class Contender, class Floor>
+void alternate_finished(benchmark::State& state, const Contender& contender, const Floor& floor) {
+  const auto finished = [](const auto& draw) {
+    return [&draw] {
+      draw();
+      glFinish();
+    };
+  };
+  alternate(state, finished(contender), finished(floor));
+  state.SetLabel(format_names[state.range(0)]);
+}
+
 void blur(benchmark::State& state) {
   const int radius = static_cast<int>(state.range(2));
   const Texture from = random_texture(state);
@@ -73,18 +86,12 @@ void blur(benchmark::State& state) {
   Blur contender;
   contender.setup(kind_of(state), Blur::Weights::gaussian, radius);
   const BarePass rows(2 * radius + 1, 1, 1), columns(1, 2 * radius + 1, 1);
-  alternate(
-      state,
-      [&] {
-        contender.run(from, to);
-        glFinish();
-      },
-      [&] {
-        rows.draw(from, between);
-        columns.draw(between, to);
-        glFinish();
-      });
-  state.SetLabel(format_names[state.range(0)]);
+  const auto floor = [&] {
+    rows.draw(from, between);
+    columns.draw(between, to);
+  };
+  alternate_finished(
+      state, [&] { contender.run(from, to); }, floor);
 }
 
 void mip_chain(benchmark::State& state) {
@@ -96,17 +103,11 @@ void mip_chain(benchmark::State& state) {
   MipChain contender;
   contender.setup(kind_of(state));
   const BarePass bare(2, 2, 2);
-  alternate(
-      state,
-      [&] {
-        contender.run(texture);
-        glFinish();
-      },
-      [&] {
-        for (int k = 1; k < levels; ++k) bare.draw(above[k - 1], above[k]);
-        glFinish();
-      });
-  state.SetLabel(format_names[state.range(0)]);
+  const auto floor = [&] {
+    for (int k = 1; k < levels; ++k) bare.draw(above[k - 1], above[k]);
+  };
+  alternate_finished(
+      state, [&] { contender.run(texture); }, floor);
 }
 
 void summed_area_table(benchmark::State& state) {
@@ -115,37 +116,21 @@ void summed_area_table(benchmark::State& state) {
   SummedAreaTable contender;
   contender.setup(kind_of(state));
   const BarePass bare(1, 1, 1);
-  alternate(
-      state,
-      [&] {
-        contender.run(from, to);
-        glFinish();
-      },
-      [&] {
-        bare.draw(from, between);
-        bare.draw(between, to);
-        glFinish();
-      });
-  state.SetLabel(format_names[state.range(0)]);
+  const auto floor = [&] {
+    bare.draw(from, between);
+    bare.draw(between, to);
+  };
+  alternate_finished(
+      state, [&] { contender.run(from, to); }, floor);
 }
 
-}  // namespace
+[[maybe_unused]] const bool is_registered = [] {
+  add_timed("image_passes/blur", blur)->ArgNames({"format", "size", "radius"})->ArgsProduct({{0, 1, 2}, {1024}, {1, 4, 16}});
+  add_timed("image_passes/mip_chain", mip_chain)->ArgNames({"format", "size"})->ArgsProduct({{0, 1, 2}, {1000, 1024}});
+  add_timed("image_passes/summed_area_table", summed_area_table)
+      ->ArgNames({"format", "size"})
+      ->ArgsProduct({{0, 1, 2}, {1000, 1024}});
+  return true;
+}();
 
-BENCHMARK(blur)
-    ->Name("image_passes/blur")
-    ->ArgNames({"format", "size", "radius"})
-    ->ArgsProduct({{0, 1, 2}, {1024}, {1, 4, 16}})
-    ->UseManualTime()
-    ->Unit(benchmark::kMillisecond);
-BENCHMARK(mip_chain)
-    ->Name("image_passes/mip_chain")
-    ->ArgNames({"format", "size"})
-    ->ArgsProduct({{0, 1, 2}, {1000, 1024}})
-    ->UseManualTime()
-    ->Unit(benchmark::kMillisecond);
-BENCHMARK(summed_area_table)
-    ->Name("image_passes/summed_area_table")
-    ->ArgNames({"format", "size"})
-    ->ArgsProduct({{0, 1, 2}, {1000, 1024}})
-    ->UseManualTime()
-    ->Unit(benchmark::kMillisecond);
+}  // namespace

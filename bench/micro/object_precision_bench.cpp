@@ -5,12 +5,10 @@
 //          svbsp: at most 80 ms for the bunny, and for the dragon 1200 ms and 1536 MiB.
 // soup     N triangles of size 3 / sqrt(N) over a ground. Wanted of svbsp: build and relight of N = 512,000 in at most 1000 ms,
 //          and an exponent of relight over N of at most 1.1: the slope of log time over log N, least squares.
-// resolve  Point locations on one thread, on the bunny's scene, beside a floor: a bare loop that reads the G-buffer, asks which
-//          pixels face the light, and writes the mask. Wanted: at least 5 million a second; embree_rays stands beside it.
+// resolve  Point locations on one thread, on the bunny's scene, beside a floor: a bare loop that reads the G-buffer, tests
+//          which pixels face the light, and writes the mask. Wanted: at least 5 million a second; embree_rays is timed, too.
 #include <benchmark/benchmark.h>
 #include <gnomon/kit/geometry/exact.h>
-#include <gnomon/kit/geometry/shapes.h>
-#include <gnomon/registry.h>
 #include <tbb/global_control.h>
 
 #include <cmath>
@@ -18,26 +16,13 @@
 #include <map>
 
 #include "bench/micro/alternate.h"
-#include "measure/frame/gbuffer_maker.h"
-#include "measure/scene/load.h"
+#include "bench/micro/scenes.h"
 
 namespace {
 using namespace gnomon;
 
 constexpr int width = 960, height = 540;
 constexpr int soup_counts[] = {2000, 8000, 32000, 128000, 512000};
-
-/// Loaded at the first request; nothing, and the case skipped with what to do, where its files are not here.
-const Scene* loaded(benchmark::State& state, const std::string& reference) {
-  static std::map<std::string, Scene> scenes;
-  try {
-    if (!scenes.contains(reference)) scenes.emplace(reference, load_scene(reference));
-    return &scenes.at(reference);
-  } catch (const SceneNotFetched& error) {
-    state.SkipWithError(error.what());
-    return nullptr;
-  }
-}
 
 /// `way` is a technique with its settings, as on the command line.
 std::unique_ptr<Technique> made(const std::string& way) {
@@ -72,11 +57,6 @@ double peak() {
 }
 void forget_peak() { std::ofstream("/proc/self/clear_refs") << 5; }
 
-GBuffer looked_at(const Scene& scene) {
-  const RayScene everything(scene, Truth::mesh, RayScene::Which::all);
-  return make_gbuffer(scene, everything, scene.views[0], width, height, Truth::mesh);
-}
-
 std::size_t facing_count(const Scene& scene, const GBuffer& gbuffer, const Light& light) {
   std::size_t count = 0;
   for (std::size_t i = 0; i < gbuffer.size(); ++i) count += faces_light(scene, gbuffer, light, i);
@@ -88,7 +68,7 @@ void stages(benchmark::State& state, const std::string& way) {
   const Scene* scene = loaded(state, "bunny");
   if (!scene) return;
   const auto limit = threads(2);
-  const GBuffer gbuffer = looked_at(*scene);
+  const GBuffer gbuffer = seen(*scene, scene->views[0], width, height);
   const auto technique = made(way);
   VisibilityMask mask(width, height);
   Timings build, relight, resolve;
@@ -194,7 +174,7 @@ void resolve(benchmark::State& state, const std::string& way) {
   const Scene* scene = loaded(state, "bunny");
   if (!scene) return;
   const Light& light = scene->lights[0];
-  const GBuffer gbuffer = looked_at(*scene);
+  const GBuffer gbuffer = seen(*scene, scene->views[0], width, height);
   const auto technique = made(way);
   technique->build(*scene);
   technique->relight(light);
@@ -219,9 +199,7 @@ const std::string family[] = {"svbsp",           "svbsp:order=face_planes", "svb
 
 [[maybe_unused]] const bool registered = [] {
   const auto add = [](const std::string& name, const auto&... arguments) {
-    return benchmark::RegisterBenchmark(("object_precision/" + name).c_str(), arguments...)
-        ->UseManualTime()
-        ->Unit(benchmark::kMillisecond);
+    return add_timed("object_precision/" + name, arguments...);
   };
   for (const std::string& way : family) add("stages/" + way, stages, way)->Iterations(5);
   for (const char* scene : {"bunny", "dragon"})

@@ -1,17 +1,16 @@
-// What scoring one mask costs: asking shadow_map for its account of every wrong pixel, finding their causes, and all metrics.
+// What scoring one mask costs: shadow_map's account of every wrong pixel, the causes of these, and all metrics.
 // `wrong` is the share of the tested pixels that are wrong. Settings that are wrong more often or look at more texels cost
 // more.
 #include <benchmark/benchmark.h>
 #include <gnomon/kit/gl/gl.h>
-#include <gnomon/registry.h>
 #include <unistd.h>
 
 #include <filesystem>
 
+#include "bench/micro/scenes.h"
 #include "device/context.h"
 #include "measure/cause/causes.h"
 #include "measure/frame/frame.h"
-#include "measure/scene/load.h"
 #include "measure/score/score.h"
 
 namespace {
@@ -28,15 +27,11 @@ struct Answered {
   Answered(const char* reference, const std::string& settings, int width, int height)
       : scene(load_scene(reference)), frames(scene, cache) {
     process_context();
-    technique = registry().technique("shadow_map").make();
-    technique->apply(settings);
     const FrameKey key{scene.views[0], width, height, Truth::mesh};
     answer.gbuffer = frames.gbuffer(key);
     answer.reference = frames.reference(key, scene.lights[0]);
     frames.casters(Truth::mesh);
-    technique->setup();
-    technique->build(scene);
-    technique->relight(scene.lights[0]);
+    technique = made("shadow_map", settings, scene, scene.lights[0]);
     VisibilityMask mask(width, height);
     technique->resolve(answer.gbuffer, mask);
     const auto pixels = mask.read();
@@ -65,13 +60,11 @@ void score(benchmark::State& state, const char* reference, const char* settings,
   state.counters["wrong"] = wrong;
 }
 
-BENCHMARK_CAPTURE(score, box_city_256, "box_city", "resolution=256", 1280, 720)->Unit(benchmark::kMillisecond)->UseRealTime();
-BENCHMARK_CAPTURE(score, fence_512, "fence", "resolution=512", 1280, 720)->Unit(benchmark::kMillisecond)->UseRealTime();
-BENCHMARK_CAPTURE(score, fence_pcf, "fence", "resolution=512,filter=pcf", 1280, 720)
-    ->Unit(benchmark::kMillisecond)
-    ->UseRealTime();
-BENCHMARK_CAPTURE(score, contact_no_bias, "contact", "bias=constant,depth_bias=0", 640, 360)
-    ->Unit(benchmark::kMillisecond)
-    ->UseRealTime();
+void in_real_milliseconds(benchmark::internal::Benchmark* one) { one->Unit(benchmark::kMillisecond)->UseRealTime(); }
+
+BENCHMARK_CAPTURE(score, box_city_256, "box_city", "resolution=256", 1280, 720)->Apply(in_real_milliseconds);
+BENCHMARK_CAPTURE(score, fence_512, "fence", "resolution=512", 1280, 720)->Apply(in_real_milliseconds);
+BENCHMARK_CAPTURE(score, fence_pcf, "fence", "resolution=512,filter=pcf", 1280, 720)->Apply(in_real_milliseconds);
+BENCHMARK_CAPTURE(score, contact_no_bias, "contact", "bias=constant,depth_bias=0", 640, 360)->Apply(in_real_milliseconds);
 
 }  // namespace

@@ -2,13 +2,11 @@
 // resolution and faces (relight), and one full-screen pass that fetches the same textures and writes the same target
 // (resolve). Contender and floor alternate inside one run; `ratio` is the ratio of their medians.
 #include <benchmark/benchmark.h>
-#include <gnomon/kit/geometry/shapes.h>
 #include <gnomon/kit/maps/light_map.h>
-#include <gnomon/registry.h>
 
 #include "bench/micro/alternate.h"
+#include "bench/micro/scenes.h"
 #include "device/context.h"
-#include "measure/frame/gbuffer_maker.h"
 
 extern "C" void gnomon_technique_shadow_map(gnomon::Registry&);
 
@@ -48,8 +46,7 @@ struct Rig {
     Registry registry;
     gnomon_technique_shadow_map(registry);
     technique = registry.techniques()[0].make();
-    const RayScene everything(scene, Truth::mesh, RayScene::Which::all);
-    gbuffer = make_gbuffer(scene, everything, scene.views[0], width, height, Truth::mesh);
+    gbuffer = seen(scene, scene.views[0], width, height);
     scene_buffers(scene);
     gbuffer_textures(gbuffer, scene);
     technique->setup();
@@ -58,7 +55,7 @@ struct Rig {
 };
 
 /// The least that a shadow map must do with the very faces that shadow_map fits: depth-only draws, and the texels that the
-/// pixels look up, known beforehand.
+/// pixels look up, found beforehand.
 class BareMap {
  public:
   BareMap(const Scene& scene, const Light& light)
@@ -125,7 +122,7 @@ void resolve(benchmark::State& state) {
   rig.technique->relight(light);
   VisibilityMask mask(rig.gbuffer.width, rig.gbuffer.height), target(rig.gbuffer.width, rig.gbuffer.height);
   const Program program("bare fetch", full_screen_vertex, R"(
-layout(binding = 0) uniform sampler2D texels;  // stands in for the position: same format, same size
+layout(binding = 0) uniform sampler2D texels;  // in place of the position: same format, same size
 layout(binding = 1) uniform sampler2D normal;
 layout(binding = 3) uniform sampler2DArray map;
 layout(location = 0) out float visibility;
@@ -157,19 +154,13 @@ void main() {
   state.SetLabel(light.name);
 }
 
-}  // namespace
+[[maybe_unused]] const bool is_registered = [] {
+  add_timed("shadow_map/relight", relight)->ArgName("light")->ArgsProduct({{0, 1}});
+  add_timed("shadow_map/resolve", resolve)
+      ->ArgNames({"light", "width", "height"})
+      ->ArgsProduct({{0, 1}, {640}, {360}})
+      ->ArgsProduct({{0, 1}, {960}, {540}});
+  return true;
+}();
 
-BENCHMARK(relight)
-    ->Name("shadow_map/relight")
-    ->ArgName("light")
-    ->Arg(0)
-    ->Arg(1)
-    ->UseManualTime()
-    ->Unit(benchmark::kMillisecond);
-BENCHMARK(resolve)
-    ->Name("shadow_map/resolve")
-    ->ArgNames({"light", "width", "height"})
-    ->ArgsProduct({{0, 1}, {640}, {360}})
-    ->ArgsProduct({{0, 1}, {960}, {540}})
-    ->UseManualTime()
-    ->Unit(benchmark::kMillisecond);
+}  // namespace

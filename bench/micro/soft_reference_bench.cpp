@@ -8,7 +8,6 @@
 #include <embree3/rtcore.h>
 #include <gnomon/kit/area/area_rays.h>
 #include <gnomon/kit/random.h>
-#include <gnomon/registry.h>
 #include <tbb/blocked_range.h>
 #include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
@@ -17,8 +16,8 @@
 #include <cmath>
 
 #include "bench/micro/alternate.h"
+#include "bench/micro/scenes.h"
 #include "measure/frame/frame.h"
-#include "measure/scene/load.h"
 #include "measure/scratch_folder.h"
 
 namespace {
@@ -41,17 +40,7 @@ const Place& place(std::int64_t index) {
 
 Light light_of(const LightKind& kind) { return {.name = "lamp", .kind = kind}; }
 
-/// Nothing where the scene is not fetched.
-std::optional<Scene> loaded(benchmark::State& state, const char* name) {
-  try {
-    return load_scene(name);
-  } catch (const std::exception& missing) {
-    state.SkipWithError(missing.what());
-    return std::nullopt;
-  }
-}
-
-/// One packet as the bare loop wants it, with lanes as Embree takes them: -1 is on.
+/// One packet as the bare loop requires it, with lanes as Embree takes them: -1 is on.
 struct Question {
   ShadowPacket packet;
   alignas(64) std::array<int, 16> valid;
@@ -78,16 +67,15 @@ class Rig {
   static constexpr AreaTarget target{.error = 1e-9, .cap = 512};
 
   Rig(const Scene& scene, const Light& light) : casters_(scene, Truth::mesh, RayScene::Which::casters) {
-    const RayScene everything(scene, Truth::mesh, RayScene::Which::all);
-    const GBuffer gbuffer = make_gbuffer(scene, everything, scene.views[0], width, height, Truth::mesh);
+    const GBuffer gbuffer = seen(scene, scene.views[0], width, height);
     Random random(1);
     constexpr std::size_t pixel_count = 800;
     while (pixels_.size() < pixel_count) {
       const auto i = static_cast<std::size_t>(random.uniform(0, 1) * static_cast<double>(gbuffer.size()));
       if (gbuffer.is_background(i)) continue;
-      const LightFigure face(light, gbuffer.position(i), gbuffer.normal(i));
-      if (!face.is_seen()) continue;
-      pixels_.push_back({FaceRays(casters_, gbuffer, i, face), i, {}});
+      const LightFigure figure(light, gbuffer.position(i), gbuffer.normal(i));
+      if (!figure.is_seen()) continue;
+      pixels_.push_back({FaceRays(casters_, gbuffer, i, figure), i, {}});
       Pixel& pixel = pixels_.back();
       pixel.shares = sample_shares(pixel.rays, i, target);
       add_packets(pixel, gbuffer);
@@ -170,16 +158,13 @@ class Rig {
 
 void rays(benchmark::State& state) {
   const Place& of = place(state.range(0));
-  const std::optional<Scene> scene = loaded(state, of.scene);
+  const Scene* scene = loaded(state, of.scene);
   if (!scene) return;
   Rig rig(*scene, light_of(of.kind));
   const tbb::global_control threads(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(state.range(1)));
   rig.sample();
   rig.trace_bare();
-  if (!rig.agrees()) {
-    state.SkipWithError("the bare loop and sample_shares disagree");
-    return;
-  }
+  if (!rig.agrees()) return state.SkipWithError("the bare loop and sample_shares disagree");
   alternate(
       state, [&] { rig.sample(); }, [&] { rig.trace_bare(); });
   const double mega_rays = 1e-6 * static_cast<double>(rig.ray_count());
@@ -192,7 +177,7 @@ void rays(benchmark::State& state) {
 
 /// The bunny under a disc of 0.3 m: from nothing, and read back.
 void picture(benchmark::State& state) {
-  const std::optional<Scene> scene = loaded(state, "bunny");
+  const Scene* scene = loaded(state, "bunny");
   if (!scene) return;
   const Light light = light_of(place(0).kind);
   const FrameKey key{scene->views[0], width, height, Truth::shape};
@@ -219,15 +204,13 @@ void picture(benchmark::State& state) {
 
 /// exact_area on the bunny under a rectangle of 0.6 x 0.6 m.
 void exact(benchmark::State& state) {
-  const std::optional<Scene> scene = loaded(state, "bunny");
+  const Scene* scene = loaded(state, "bunny");
   if (!scene) return;
   const ScratchFolder folder = ScratchFolder::temporary("gnomon_bench");
   FrameStore frames(*scene, folder.path());
   const GBuffer gbuffer = frames.gbuffer({scene->views[0], width, height, Truth::mesh});
-  const auto technique = registry().technique("exact_area").make();
-  technique->setup();
-  technique->build(*scene);
-  technique->relight(light_of(RectLight{{-2.6f, 3.6f, 2.0f}, {0.3f, 0, 0}, {0, 0, 0.3f}}));
+  const Light light = light_of(RectLight{{-2.6f, 3.6f, 2.0f}, {0.3f, 0, 0}, {0, 0, 0.3f}});
+  const auto technique = made("exact_area", "", *scene, light);
   VisibilityMask mask(width, height);
   Timings timings;
   for (auto _ : state) state.SetIterationTime(timings.add([&] { technique->resolve(gbuffer, mask); }));
@@ -235,13 +218,11 @@ void exact(benchmark::State& state) {
   for (const Count& count : technique->counts()) state.counters[count.name] = count.value;
 }
 
-}  // namespace
+[[maybe_unused]] const bool is_registered = [] {
+  add_timed("soft_reference/rays", rays)->ArgNames({"scene", "threads"})->ArgsProduct({{0, 1, 2}, {1, 2}});
+  add_timed("soft_reference/picture", picture)->Iterations(1);
+  add_timed("soft_reference/exact_area", exact)->Iterations(1);
+  return true;
+}();
 
-BENCHMARK(rays)
-    ->Name("soft_reference/rays")
-    ->ArgNames({"scene", "threads"})
-    ->ArgsProduct({{0, 1, 2}, {1, 2}})
-    ->UseManualTime()
-    ->Unit(benchmark::kMillisecond);
-BENCHMARK(picture)->Name("soft_reference/picture")->Iterations(1)->UseManualTime()->Unit(benchmark::kMillisecond);
-BENCHMARK(exact)->Name("soft_reference/exact_area")->Iterations(1)->UseManualTime()->Unit(benchmark::kMillisecond);
+}  // namespace

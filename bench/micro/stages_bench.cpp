@@ -2,12 +2,10 @@
 // fetches position and normal: where the time of a row goes, with a profiler or two builds side by side.
 #include <benchmark/benchmark.h>
 #include <gnomon/kit/gl/gl_pass.h>
-#include <gnomon/registry.h>
 
 #include "bench/micro/alternate.h"
+#include "bench/micro/scenes.h"
 #include "device/context.h"
-#include "measure/frame/gbuffer_maker.h"
-#include "measure/scene/load.h"
 
 namespace {
 using namespace gnomon;
@@ -18,15 +16,11 @@ void stage(benchmark::State& state, const std::string& scene_name, const std::st
            bool relights) {
   process_context();
   const Scene scene = load_scene(scene_name);
-  const Light& light = *std::ranges::find(scene.lights, light_name, &Light::name);
-  const RayScene everything(scene, Truth::mesh, RayScene::Which::all);
-  const GBuffer gbuffer = make_gbuffer(scene, everything, scene.views[0], width, height, Truth::mesh);
-  const auto technique = registry().technique(id).make();
+  const Light& light = named_or_first(scene.lights, light_name);
+  const GBuffer gbuffer = seen(scene, scene.views[0], width, height);
   const GBufferTextures& textures = gbuffer_textures(gbuffer, scene);
   depth_stencil(scene, gbuffer);
-  technique->setup();
-  technique->build(scene);
-  technique->relight(light);
+  const auto technique = made(id, "", scene, light);
   VisibilityMask mask(width, height), other(width, height);
   const Program bare("bare pass", full_screen_vertex, std::string(gbuffer_snippet) + R"(
 layout(location = 0) out float visibility;
@@ -54,12 +48,9 @@ void main() { visibility = dot(position_here(), normal_here()) > 0 ? 1 : 0; })")
   for (const std::string id : {"shadow_map", "stencil_volume", "planar_projected"})
     for (const std::string scene : {"fence", "contact", "box_city", "soup:ground=false"})
       for (const std::string light : {"point", "sun"})
-        for (const bool relights : {true, false}) {
-          const std::string name = fmt::format("stages/{}/{}/{}/{}", id, relights ? "relight" : "resolve", scene, light);
-          benchmark::RegisterBenchmark(name.c_str(), [=](benchmark::State& state) { stage(state, scene, light, id, relights); })
-              ->UseManualTime()
-              ->Unit(benchmark::kMillisecond);
-        }
+        for (const bool relights : {true, false})
+          add_timed(fmt::format("stages/{}/{}/{}/{}", id, relights ? "relight" : "resolve", scene, light), stage, scene, light,
+                    id, relights);
   return true;
 }();
 

@@ -12,20 +12,16 @@
 // Adjacency and relight run on two threads.
 #include <benchmark/benchmark.h>
 #include <gnomon/kit/geometry/edges.h>
-#include <gnomon/kit/geometry/shapes.h>
 #include <gnomon/kit/gl/gl_pass.h>
 #include <gnomon/kit/parallel.h>
 #include <gnomon/kit/volumes/volume_faces.h>
-#include <gnomon/registry.h>
 #include <tbb/global_control.h>
 
 #include <cstring>
-#include <map>
 
 #include "bench/micro/alternate.h"
+#include "bench/micro/scenes.h"
 #include "device/context.h"
-#include "measure/frame/gbuffer_maker.h"
-#include "measure/scene/load.h"
 
 namespace {
 using namespace gnomon;
@@ -33,37 +29,9 @@ using namespace gnomon;
 constexpr int width = 960, height = 540;
 constexpr std::size_t block = std::size_t{1} << 15;
 
-/// A sphere of about segments^2 triangles, without its exact shape, over a ground.
-Scene ball_over_ground(int segments) {
-  Mesh ball = tessellate(Sphere{{0, 1.5f, 0}, 1}, segments, "ball");
-  ball.shape.reset();
-  Scene scene;
-  scene.name = "ball_over_ground";
-  scene.meshes = {tessellate(ground_plane(6), default_segments, "ground"), std::move(ball)};
-  scene.lights = {{.name = "point", .kind = PointLight{{-4, 6, 3}}}};
-  scene.views = {{.eye = {1, 4, 7}, .target = {0, 1, 0}}};
-  return scene;
-}
-
-/// Loaded at the first request; nothing, and the case skipped with what to do, where its files are not here.
-const Scene* loaded(benchmark::State& state, const std::string& reference) {
-  static std::map<std::string, Scene> scenes;
-  try {
-    if (!scenes.contains(reference)) scenes.emplace(reference, load_scene(reference));
-    return &scenes.at(reference);
-  } catch (const SceneNotFetched& error) {
-    state.SkipWithError(error.what());
-    return nullptr;
-  }
-}
-
 std::unique_ptr<Technique> made(const Scene& scene, const std::string& settings) {
   process_context();
-  auto technique = registry().technique("stencil_volume").make();
-  technique->apply(settings);
-  technique->setup();
-  technique->build(scene);
-  return technique;
+  return gnomon::made("stencil_volume", settings, scene);
 }
 
 tbb::global_control two_threads() { return {tbb::global_control::max_allowed_parallelism, 2}; }
@@ -282,15 +250,14 @@ layout(location = 0) out float visibility;
 void main() { visibility = dot(position_here(), normal_here()) > 0 ? 0 : 1; })"};
 };
 
-/// A scene as resolve wants it, with its inputs uploaded.
+/// A scene with its inputs uploaded, as resolve requires it.
 struct Frame {
   const Scene& scene;
   GBuffer gbuffer;
 
   explicit Frame(const Scene& looked_at) : scene(looked_at) {
     process_context();
-    const RayScene everything(scene, Truth::mesh, RayScene::Which::all);
-    gbuffer = make_gbuffer(scene, everything, scene.views[0], width, height, Truth::mesh);
+    gbuffer = seen(scene, scene.views[0], width, height);
     scene_buffers(scene);
     gbuffer_textures(gbuffer, scene);
     depth_stencil(scene, gbuffer);
@@ -312,10 +279,8 @@ void resolve(benchmark::State& state, const char* reference, const char* method)
     bare.draw(depth_stencil(*scene, frame.gbuffer), gbuffer_textures(frame.gbuffer, *scene), other, clip);
   };
   contender(), floor();
-  if (!bare.agrees(depth_stencil(*scene, frame.gbuffer), mask, *scene, frame.gbuffer, light)) {
-    state.SkipWithError("the bare draw and resolve disagree");
-    return;
-  }
+  if (!bare.agrees(depth_stencil(*scene, frame.gbuffer), mask, *scene, frame.gbuffer, light))
+    return state.SkipWithError("the bare draw and resolve disagree");
   alternate(state, contender, floor);
   state.counters["triangles"] = static_cast<double>(bare.triangle_count());
   for (const Count& count : technique->counts())
@@ -323,7 +288,7 @@ void resolve(benchmark::State& state, const char* reference, const char* method)
 }
 
 void per_triangle(benchmark::State& state) {
-  const Scene scene = ball_over_ground(static_cast<int>(state.range(0)));
+  const Scene scene = ball_over_ground("ball_over_ground", 1, static_cast<int>(state.range(0)));
   const Frame frame(scene);
   const auto outline = made(scene, "extrusion=silhouette"), triangles = made(scene, "extrusion=per_triangle");
   outline->relight(scene.lights[0]), triangles->relight(scene.lights[0]);
@@ -333,40 +298,15 @@ void per_triangle(benchmark::State& state) {
   state.counters["triangles"] = static_cast<double>(scene.meshes[1].triangles.size());
 }
 
-}  // namespace
-
-BENCHMARK_CAPTURE(adjacency, dragon, "dragon")
-    ->Name("stencil_volume/adjacency/dragon")
-    ->UseManualTime()
-    ->Iterations(9)
-    ->Unit(benchmark::kMillisecond);
-BENCHMARK_CAPTURE(relight, dragon, "dragon")
-    ->Name("stencil_volume/relight/dragon")
-    ->UseManualTime()
-    ->Unit(benchmark::kMillisecond);
-BENCHMARK_CAPTURE(relight, bunny, "bunny")
-    ->Name("stencil_volume/relight/bunny")
-    ->UseManualTime()
-    ->Unit(benchmark::kMillisecond);
-
-namespace {
 [[maybe_unused]] const bool registered = [] {
+  const char* const dragon = "dragon";
+  add_timed("stencil_volume/adjacency/dragon", adjacency, dragon)->Iterations(9);
+  for (const char* scene : {dragon, "bunny"}) add_timed(fmt::format("stencil_volume/relight/{}", scene), relight, scene);
   for (const char* scene : {"bunny", "box_city", "sphere_field"})
     for (const char* method : {"zfail", "zpass"})
-      benchmark::RegisterBenchmark(fmt::format("stencil_volume/resolve/{}/{}", scene, method).c_str(), resolve, scene, method)
-          ->UseManualTime()
-          ->Iterations(15)
-          ->Unit(benchmark::kMillisecond);
+      add_timed(fmt::format("stencil_volume/resolve/{}/{}", scene, method), resolve, scene, method)->Iterations(15);
+  add_timed("stencil_volume/per_triangle", per_triangle)->ArgName("segments")->ArgsProduct({{32, 72, 142}})->Iterations(9);
   return true;
 }();
-}  // namespace
 
-BENCHMARK(per_triangle)
-    ->Name("stencil_volume/per_triangle")
-    ->ArgName("segments")
-    ->Arg(32)
-    ->Arg(72)
-    ->Arg(142)
-    ->UseManualTime()
-    ->Iterations(9)
-    ->Unit(benchmark::kMillisecond);
+}  // namespace

@@ -2,7 +2,6 @@
 
 #include <gnomon/registry.h>
 
-#include <algorithm>
 #include <charconv>
 
 #include "analysis/in_order.h"
@@ -23,6 +22,23 @@ double median_in_place(std::span<double> values) {
   std::nth_element(values.begin(), middle, values.end());
   if (values.size() % 2 == 1) return *middle;
   return (*middle + *std::max_element(values.begin(), middle)) / 2;
+}
+
+/// The names of the quantities that these records have.
+std::vector<std::string> quantity_names(std::span<const Record> records) {
+  std::vector<std::string> names;
+  const auto add = [&](const std::string& one) { add_once(names, one); };
+  for (const Record& r : records) {
+    if (const auto found = r.metrics.find(r.truth); found != r.metrics.end())
+      for (const auto& [metric, value] : found->second) add(metric);
+    for (const Stage stage : all_stages)
+      if (!r.times(stage).empty()) add(fmt::format("{}_ms", name(stage)));
+    if (r.bytes) add("bytes");
+    if (r.peak_bytes) add("peak_bytes");
+    if (r.causes)
+      for (const auto& [cause, pixels] : *r.causes) add("cause." + cause);
+  }
+  return names;
 }
 
 }  // namespace
@@ -125,8 +141,7 @@ std::optional<ValueWithInterval> cost_of(const Record& record, Cost cost) {
   if (cost == Cost::bytes)
     return record.bytes ? std::optional(ValueWithInterval(static_cast<double>(*record.bytes))) : std::nullopt;
   const Sample sample = sample_of(record, stages_of(cost));
-  if (!sample.is_timed()) return std::nullopt;
-  return sample.estimate();
+  return sample.is_timed() ? std::optional(sample.estimate()) : std::nullopt;
 }
 
 Place place_of(const Record& r) { return {r.scene, r.light, r.view, r.path, r.width, r.height, r.truth}; }
@@ -217,31 +232,9 @@ std::optional<double> gain_over_constant(const Record& r) {
 }
 
 std::string_view lights_text(AnswerKind answer) {
-  static constexpr std::string_view texts[] = {" under lights without area", " under lights with area",
-                                               " under several lights together"};
+  static constexpr std::string_view texts[] = {"lights without area", "lights with area", "several lights together"};
   return texts[static_cast<std::size_t>(answer)];
 }
-
-namespace {
-
-/// The names that `quantity` knows for these records.
-std::vector<std::string> quantity_names(std::span<const Record> records) {
-  std::vector<std::string> names;
-  const auto add = [&](const std::string& one) { add_once(names, one); };
-  for (const Record& r : records) {
-    if (const auto found = r.metrics.find(r.truth); found != r.metrics.end())
-      for (const auto& [metric, value] : found->second) add(metric);
-    for (const Stage stage : all_stages)
-      if (!r.times(stage).empty()) add(fmt::format("{}_ms", name(stage)));
-    if (r.bytes) add("bytes");
-    if (r.peak_bytes) add("peak_bytes");
-    if (r.causes)
-      for (const auto& [cause, pixels] : *r.causes) add("cause." + cause);
-  }
-  return names;
-}
-
-}  // namespace
 
 void require_quantity(std::span<const Record> records, std::string_view wanted) {
   const std::vector<std::string> names = quantity_names(records);
@@ -269,7 +262,7 @@ std::vector<Record> matching(std::vector<Record> records, const std::string& exp
   const Pattern pattern(expression, "is not a regular expression");
   std::erase_if(records, [&](const Record& r) {
     const std::string where = title_of_place(r.scene, r.light, r.view, r.path);
-    // All parameters too: what is at its default does not stand in the settings.
+    // All parameters too: settings lack those at their defaults.
     std::string full = where + r.technique + ":";
     for (const auto& [parameter, value] : r.parameters.items()) full += fmt::format("{}={},", parameter, plain_text(value));
     return !pattern.is_in(title(r)) && !pattern.is_in(where + setting_name(r)) && !pattern.is_in(full);

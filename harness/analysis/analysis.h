@@ -3,12 +3,8 @@
 
 #include <compare>
 #include <functional>
-#include <optional>
-#include <set>
-#include <span>
 #include <string>
 #include <string_view>
-#include <vector>
 
 #include "analysis/told_apart.h"
 #include "measure/record/record.h"
@@ -92,14 +88,14 @@ std::optional<double> scene_parameter(const std::string& scene, std::string_view
 std::optional<Stage> stage_of_time(std::string_view quantity);
 /// Anything in a record that has one number: a metric (headline truth), `cause.NAME` (share of T), STAGE_ms, bytes, peak_bytes.
 std::optional<double> quantity(const Record& record, std::string_view name);
-/// Of a metric under a light with area what the reference's own noise makes of it, METRIC_floor: a smaller one cannot be told
-/// from that of a right mask. Nothing of other quantities and lights.
+/// Of a metric under a light with area what the reference's own noise makes of it, METRIC_floor: a smaller one cannot be
+/// distinguished from that of a right mask. Nothing of other quantities and lights.
 std::optional<double> noise_floor(const Record& record, std::string_view quantity);
 /// How far the row's error lies below that of the best constant mask at its place; nothing where the record does not say.
 std::optional<double> gain_over_constant(const Record& record);
-/// Whether a row may be called best: its error is below that of the best constant mask, or that is not known.
+/// Whether a row may be called best: its error is below that of the best constant mask, or the record does not say.
 inline bool beats_constant(const Record& record) { return gain_over_constant(record).value_or(1) > 0; }
-/// " under lights with area".
+/// "lights with area".
 std::string_view lights_text(AnswerKind answer);
 /// Throws Error with the nearest name when no record has it.
 void require_quantity(std::span<const Record> records, std::string_view name);
@@ -115,7 +111,7 @@ void require_word(std::string_view lead, std::string_view word, std::span<const 
 std::string how_to_sweep(std::string_view parameter);
 
 /// The records whose title, "SCENE LIGHT [VIEW] [PATH] TECHNIQUE:SETTINGS" as in `gnomon run`, matches the expression, which
-/// may be empty; the label may stand for technique and settings, and all parameters for those that differ from their defaults.
+/// may be empty; the label may replace technique and settings, and all parameters those that differ from their defaults.
 /// Throws Error.
 std::vector<Record> matching(std::vector<Record> records, const std::string& expression);
 

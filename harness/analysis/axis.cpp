@@ -123,7 +123,7 @@ std::vector<AxisSeries> join_series(std::span<const Record> records, const std::
   const bool is_of_technique = is_of_techniques(records, axis);
   const std::map<std::string, std::string> families = scene_families(records);
 
-  // Rows of several lights together know what these cost; without any, lights are taken one by one.
+  // Rows of several lights together contain their cost; without any, lights are taken one by one.
   const bool has_together =
       axis == "lights" && std::ranges::find(records, AnswerKind::received, &Record::answer) != records.end();
   std::vector<AxisSeries> all;

@@ -2,10 +2,6 @@
 
 #include <gnomon/error.h>
 
-#include <algorithm>
-#include <map>
-#include <set>
-
 #include "analysis/in_order.h"
 #include "measure/score/metrics.h"
 
@@ -81,7 +77,7 @@ void compare_contexts(Comparison& result, std::span<const Record> base, std::spa
   if (std::abs(b - c) > 0.5) result.differences.emplace_back("load_average", fmt::format("{:.1f} -> {:.1f}", b, c));
 }
 
-/// What the row was asked, for matching: the job, or all that its hash would be made from.
+/// What rows are matched by: the job, or all that its hash would be made from.
 std::string key_of(const Record& record) {
   if (!record.job.empty()) return record.job;
   return fmt::format("{}|{}|{}|{}|{}|{}x{}|{}|{}", record.scene, record.light, record.view, record.technique, record.settings,
@@ -118,7 +114,7 @@ std::optional<double> common_floor(const RowChange& row, Truth truth, std::strin
   return base && contender ? std::optional(std::max(*base, *contender)) : std::nullopt;
 }
 
-/// Metrics against one truth that both runs have: one that only the newer program knows has not changed.
+/// Metrics against one truth that both runs have: one that only the newer program computes has not changed.
 std::vector<MetricChange> changed_metrics(const RowChange& row, Truth truth, double error_threshold) {
   std::vector<MetricChange> changes;
   const auto b = row.base->metrics.find(truth), c = row.contender->metrics.find(truth);

@@ -30,10 +30,10 @@ struct StageChange {
   Stage stage = Stage::setup;
   std::optional<double> base_ms, contender_ms;  ///< medians of process medians
   /// contender / base of times that count as `least_time` at least; the interval covers what runs differ by on their own.
-  std::optional<Estimate> ratio;
-  std::optional<double> p, false_discovery;  ///< of difference.h's Judgement
+  std::optional<Estimate> ratio = {};
+  std::optional<double> p = {}, false_discovery = {};  ///< of difference.h's Judgement
   Verdict verdict = Verdict::not_judged;
-  std::string why;
+  std::string why = {};
   bool is_regression = false;
 };
 
@@ -74,7 +74,7 @@ struct OverallChange {
   std::string contender;  ///< label, or id and settings; empty: all rows
   Stage stage = Stage::build;
   std::size_t times = 0;  ///< how many were judged
-  Estimate ratio;         ///< geometric mean over scenes
+  Estimate ratio = {};    ///< geometric mean over scenes
   double p = 1, false_discovery = 1;
   Verdict verdict = Verdict::similar;
   bool is_regression = false;

@@ -17,10 +17,9 @@ namespace {
 std::vector<StageChange> list_stages(const RowChange& row) {
   std::vector<StageChange> stages;
   for (const Stage stage : all_stages) {
-    StageChange change;
-    change.stage = stage;
-    change.base_ms = median_of_medians(row.base->times(stage));
-    change.contender_ms = median_of_medians(row.contender->times(stage));
+    StageChange change{.stage = stage,
+                       .base_ms = median_of_medians(row.base->times(stage)),
+                       .contender_ms = median_of_medians(row.contender->times(stage))};
     if (!change.base_ms && !change.contender_ms) continue;
     if (change.base_ms && change.contender_ms) {
       const double ratio = std::max(*change.contender_ms, least_time) / std::max(*change.base_ms, least_time);
@@ -30,20 +29,6 @@ std::vector<StageChange> list_stages(const RowChange& row) {
   }
   return stages;
 }
-
-/// Build does not depend on the light, so all rows of a contender on a scene carry the same times: judged once.
-class SameTimes {
- public:
-  bool operator()(const RowChange& row, Stage stage) {
-    const Record &base = *row.base, &contender = *row.contender;
-    return stage == Stage::build &&
-           !seen_.insert({base.scene + '|' + base.technique + '|' + base.settings, base.times(stage), contender.times(stage)})
-                .second;
-  }
-
- private:
-  std::set<std::tuple<std::string, ProcessTimes, ProcessTimes>> seen_;
-};
 
 /// What the load of the machine explains of a row's times.
 double slack(const Record& base, const Record& contender) {
@@ -67,11 +52,7 @@ void judge_contenders(Comparison& result, const std::vector<LogDifference>& diff
     const auto found = std::ranges::find_if(changes, same);
     groups.push_back(static_cast<int>(found - changes.begin()));
     members.push_back(differences[k]);
-    if (found == changes.end()) {
-      changes.emplace_back();
-      changes.back().contender = contender;
-      changes.back().stage = stage;
-    }
+    if (found == changes.end()) changes.push_back({.contender = contender, .stage = stage});
     ++changes[static_cast<std::size_t>(groups.back())].times;
   };
   for (const Stage stage : timed_stages)
@@ -102,7 +83,12 @@ void judge_times(Comparison& result) {
   std::vector<StageChange*> judged;
   std::vector<LogDifference> differences;
   std::vector<std::string> owners;  // contenders
-  SameTimes is_known;
+  // Build does not depend on the light, so all rows of a contender on a scene have the same times: judged once.
+  std::set<std::tuple<std::string, ProcessTimes, ProcessTimes>> builds;
+  const auto is_repeated = [&](const Record& base, const Record& contender, Stage stage) {
+    const std::string setting = base.scene + '|' + base.technique + '|' + base.settings;
+    return stage == Stage::build && !builds.emplace(setting, base.times(stage), contender.times(stage)).second;
+  };
   std::map<std::string, int> scenes, techniques;
   for (RowChange& row : result.rows) {
     if (!row.base || !row.contender || row.base->status != Status::ok || row.contender->status != Status::ok) continue;
@@ -121,7 +107,7 @@ void judge_times(Comparison& result) {
         change.why = fmt::format("below {} ms in both runs", least_time);
       else if (!difference)
         change.why = "needs two processes in each run";
-      else if (is_known(row, change.stage))
+      else if (is_repeated(*row.base, *row.contender, change.stage))
         change.why = "the same times as under another light";
       else if (!result.refusal.empty())
         change.why = result.refusal;

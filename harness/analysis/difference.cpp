@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 
+#include "analysis/told_apart.h"
 #include "measure/statistics/distributions.h"
 
 namespace gnomon {
@@ -13,21 +14,8 @@ namespace {
 /// The share of the differences, the smallest ones, from whose spread the drift between runs is read. The others may be as
 /// far away as they like: a fifth of the rows may really have changed.
 constexpr double steady_share = 0.8;
-/// What runs at different times differ by when there are no rows to tell, and for how many rows it counts.
+/// What runs at different times differ by when there are no rows to measure it, and for how many rows it counts.
 constexpr double usual_drift = 0.1, usual_weight = 5;
-
-/// Mean of values and the variance of that mean, 0 for one value.
-struct Mean {
-  double value = 0, variance = 0;
-};
-Mean mean_of(std::span<const double> values) {
-  const auto n = static_cast<double>(values.size());
-  Mean mean;
-  for (const double v : values) mean.value += v / n;
-  if (values.size() < 2) return mean;
-  for (const double v : values) mean.variance += (v - mean.value) * (v - mean.value) / (n - 1) / n;
-  return mean;
-}
 
 /// Logarithm of every process median; a process without times has none.
 std::vector<std::optional<double>> log_medians(const ProcessTimes& times, double least) {
@@ -35,13 +23,6 @@ std::vector<std::optional<double>> log_medians(const ProcessTimes& times, double
   for (const std::vector<double>& process : times)
     logs.push_back(process.empty() ? std::optional<double>() : std::log(std::max(median(process), least)));
   return logs;
-}
-
-std::vector<double> present(const std::vector<std::optional<double>>& values) {
-  std::vector<double> there;
-  for (const auto& value : values)
-    if (value) there.push_back(*value);
-  return there;
 }
 
 /// Median of the differences by kind, or by kind and batch.
@@ -71,7 +52,7 @@ double batch_variance(std::span<const LogDifference> differences) {
   return freedom > 0 ? sum / freedom : 0;
 }
 
-/// The variance to be added to all others so that the steady share of the distances is as wide as theory wants it.
+/// The variance to be added to all others so that the steady share of the distances is as wide as theory predicts.
 double excess_variance(std::span<const double> distances, std::span<const double> variances, double freedom) {
   const double wanted = student_quantile((1 - steady_share) / 2, freedom);
   const auto width = [&](double excess) {
@@ -133,15 +114,11 @@ Judgement judge_one(double value, double slack, double variance, double freedom,
 }  // namespace
 
 std::optional<LogDifference> log_difference(const ProcessTimes& base, const ProcessTimes& contender, double least) {
-  const std::vector<double> b = present(log_medians(base, least)), c = present(log_medians(contender, least));
-  if (b.size() < 2 || c.size() < 2) return std::nullopt;
-  const Mean base_mean = mean_of(b), contender_mean = mean_of(c);
-  const double variance = base_mean.variance + contender_mean.variance;
-  // Welch and Satterthwaite: between the smaller sample's own and the sum of both.
-  const auto own = [](double v, std::size_t n) { return v * v / static_cast<double>(n - 1); };
-  const double parts = own(base_mean.variance, b.size()) + own(contender_mean.variance, c.size());
-  const double freedom = parts > 0 ? variance * variance / parts : static_cast<double>(b.size() + c.size() - 2);
-  return LogDifference{contender_mean.value - base_mean.value, variance, freedom};
+  const std::optional<LogTime> b = log_time(base, least), c = log_time(contender, least);
+  if (!b || !c) return std::nullopt;
+  const LogTime parts[] = {*b, *c};
+  const double variance = b->variance + c->variance;
+  return LogDifference{c->value - b->value, variance, variance > 0 ? freedom_of(parts) : b->freedom + c->freedom};
 }
 
 std::optional<LogDifference> paired_difference(const ProcessTimes& base, const ProcessTimes& contender, double least) {
@@ -150,8 +127,8 @@ std::optional<LogDifference> paired_difference(const ProcessTimes& base, const P
   for (std::size_t k = 0; k < std::min(b.size(), c.size()); ++k)
     if (b[k] && c[k]) differences.push_back(*c[k] - *b[k]);
   if (differences.size() < 2) return std::nullopt;
-  const Mean mean = mean_of(differences);
-  return LogDifference{mean.value, mean.variance, static_cast<double>(differences.size() - 1)};
+  const LogTime mean = mean_of(differences);
+  return LogDifference{mean.value, mean.variance, mean.freedom};
 }
 
 double load_slack(double base_load, double contender_load, double cores) {
@@ -210,7 +187,7 @@ Judgements judge(std::span<const LogDifference> differences, double floor, bool 
 
 std::vector<std::optional<GroupJudgement>> judge_groups(std::span<const LogDifference> differences, std::span<const int> groups,
                                                         int group_count, double floor, bool side_by_side) {
-  // What batches differ by when they do not tell, and for how many of them it counts.
+  // What batches differ by when there are too few to measure it, and for how many of them it counts.
   constexpr double batch_drift = 0.05, weight = 2;
   struct Group {
     std::map<int, std::vector<double>> batches;

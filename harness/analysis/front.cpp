@@ -1,9 +1,7 @@
 #include "analysis/front.h"
 
-#include <algorithm>
 #include <cmath>
 #include <limits>
-#include <map>
 
 #include "analysis/in_order.h"
 
@@ -187,6 +185,17 @@ std::vector<double> round_numbers(double least, double greatest, std::size_t mos
   return numbers;
 }
 
+/// Of those who meet a budget of error, those whose time is not told apart from the winner's.
+void keep_not_told_apart(const std::vector<Candidate>& all, Best& best) {
+  std::vector<Contrast> contrasts;
+  for (const std::size_t k : best.also)
+    if (all[k].log_time && all[*best.winner].log_time)
+      contrasts.push_back({*all[k].log_time, *all[*best.winner].log_time, best.also.size() + 1});
+  const std::vector<bool> told = told_apart(contrasts);
+  std::size_t next = 0;
+  std::erase_if(best.also, [&](std::size_t k) { return all[k].log_time && all[*best.winner].log_time && told[next++]; });
+}
+
 }  // namespace
 
 std::vector<Field> find_fields(std::span<const Record> records, const FieldOptions& options) {
@@ -294,21 +303,6 @@ Budgets round_budgets(std::span<const Field> fields, std::size_t most) {
   for (double& memory : budgets.memories) memory *= 1024 * 1024;
   return budgets;
 }
-
-namespace {
-
-/// Of those who meet a budget of error, those whose time is not told apart from the winner's.
-void keep_not_told_apart(const std::vector<Candidate>& all, Best& best) {
-  std::vector<Contrast> contrasts;
-  for (const std::size_t k : best.also)
-    if (all[k].log_time && all[*best.winner].log_time)
-      contrasts.push_back({*all[k].log_time, *all[*best.winner].log_time, best.also.size() + 1});
-  const std::vector<bool> told = told_apart(contrasts);
-  std::size_t next = 0;
-  std::erase_if(best.also, [&](std::size_t k) { return all[k].log_time && all[*best.winner].log_time && told[next++]; });
-}
-
-}  // namespace
 
 std::vector<Best> find_best(const Field& field, const Budgets& budgets, std::string_view direction) {
   std::vector<Best> rows;

@@ -14,7 +14,7 @@ struct Candidate {
   std::optional<double> gain_over_constant = {};
   std::optional<ValueWithInterval> cost = {};           ///< over all places: the geometric mean
   std::optional<ValueWithInterval> time = {};           ///< the same, in milliseconds also where the cost is memory
-  std::optional<LogTime> log_cost = {}, log_time = {};  ///< of cost and time, where processes tell them
+  std::optional<LogTime> log_cost = {}, log_time = {};  ///< of cost and time, where there are processes enough
   std::optional<double> bytes = {};                     ///< over all places: the geometric mean
   ValueWithInterval relative_cost = {};                 ///< to the cheapest contender of the field
 
@@ -47,10 +47,10 @@ struct FieldOptions {
 /// better side, and when no contender has it.
 std::vector<Field> find_fields(std::span<const Record> records, const FieldOptions& options);
 
-/// Of these fields the one that stands for all places of each kind of light: over them all, or the only one.
+/// Of these fields the one for all places of each kind of light: over them all, or the only one.
 std::vector<const Field*> overall_fields(std::span<const Field> fields);
 
-/// Where a candidate stands among the contenders of its field.
+/// The rank of a candidate among the contenders of its field.
 enum class Standing {
   front,    ///< no contender is at least as good in both and better in one
   unclear,  ///< beaten by value, but its cost is not told apart from those of all who beat it (told_apart)

@@ -1,9 +1,7 @@
 #include "analysis/growth.h"
 
-#include <algorithm>
 #include <cassert>
 #include <cmath>
-#include <map>
 #include <numeric>
 
 #include "analysis/in_order.h"
@@ -80,7 +78,7 @@ Growth fit(const AxisSeries& series, std::string stage, Points points) {
   const PowerLaw best = law(values);
   growth.coefficient = best.coefficient;
   growth.r2 = best.r2;
-  // What the line misses says how sure its slope is, whether processes tell anything or not.
+  // How far points lie from the line says how sure its slope is, with or without several processes.
   ValueWithInterval& exponent = *growth.exponent;
   exponent = {exponent.value, std::min(exponent.low, exponent.value - *best.misfit),
               std::max(exponent.high, exponent.value + *best.misfit)};
@@ -127,8 +125,8 @@ void add_lights(const std::vector<AxisSeries>& all, Growths& growths) {
   }
 }
 
-/// Three times what the reference's own noise makes of the quantity; of a record without floors three times the error that was
-/// wanted of each pixel's reference. 0 of what no reference is behind.
+/// Three times what the reference's own noise makes of the quantity; of a record without floors three times the target error of
+/// each pixel's reference. 0 for a quantity that depends on no reference.
 double least_of(const Record& record, const std::string& quantity) {
   if (const auto floor = noise_floor(record, quantity)) return least_reference_errors * *floor;
   const bool is_error = quantity == "error" || quantity.ends_with("error_mean") || quantity.ends_with("error_rms");
@@ -230,12 +228,8 @@ Growths find_growth(std::span<const Record> records, const std::string& axis, co
   for (AxisSeries& series : all) std::erase_if(series.rows, [](const auto& row) { return !(row.first > 0); });
   std::erase_if(all, [](const AxisSeries& series) { return series.rows.empty(); });
 
-  if (quantity.empty()) {
-    growths.single = std::erase_if(all, [](const AxisSeries& series) { return series.rows.size() < 2; });
-    sums_lights ? add_lights(all, growths) : add_stages(all, growths);
-  } else {
-    add_quantity(all, growths);
-  }
+  if (quantity.empty()) growths.single = std::erase_if(all, [](const AxisSeries& series) { return series.rows.size() < 2; });
+  (!quantity.empty() ? add_quantity : sums_lights ? add_lights : add_stages)(all, growths);
   if (growths.rows.empty())
     throw Error("there is no growth with {} in these records: {}", axis, why_no_growth(records, axis, growths.single));
   return growths;

@@ -23,7 +23,7 @@ struct Growth {
   struct Point {
     double x = 0;
     ValueWithInterval value;  ///< of times milliseconds
-    double least = 0;         ///< what is below cannot be told, and the fit leaves it out
+    double least = 0;         ///< smaller values are noise, and the fit leaves them out
     std::size_t rows = 1;     ///< that it is made of: seeds of one setting, or lights
     bool is_fitted() const { return value.value > 0 && value.value >= least; }
   };

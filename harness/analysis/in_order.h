@@ -1,16 +1,22 @@
 #pragma once
 #include <algorithm>
-#include <functional>
 #include <map>
 #include <set>
 #include <utility>
-#include <vector>
 
 #include "analysis/analysis.h"
 
 namespace gnomon {
 
 // Lists that keep the order in which their items first came.
+
+/// The names of all items.
+template <class List>
+std::vector<std::string> names_in(const List& items) {
+  std::vector<std::string> names;
+  for (const auto& item : items) names.emplace_back(item.name);
+  return names;
+}
 
 /// The index of a value in a list, or the list's size where it is not there.
 template <class T>

@@ -8,7 +8,7 @@
 
 namespace gnomon {
 
-/// A run that stands beside others.
+/// A run to be compared with others.
 struct MachineRun {
   std::filesystem::path dir;  ///< of its masks
   std::vector<Record> records;

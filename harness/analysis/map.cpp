@@ -1,8 +1,6 @@
 #include "analysis/map.h"
 
-#include <algorithm>
 #include <cmath>
-#include <map>
 
 #include "analysis/in_order.h"
 
@@ -56,8 +54,8 @@ std::vector<std::string> natural_axes(const std::vector<Setting>& settings, cons
   return names;
 }
 
-/// What the maps of one technique show: parameters along x and y (empty: none), and those whose values tell its maps apart. x
-/// is empty where the technique was not swept along the axis that is asked for.
+/// What the maps of one technique show: parameters along x and y (empty: none), and those that its maps differ in. x
+/// is empty where the technique was not swept along the requested axis.
 struct Axes {
   std::string x, y;
   std::vector<std::string> facets;
@@ -146,7 +144,7 @@ struct TechniqueRows {
   std::map<std::string, Setting> settings = {};  ///< by all values
 };
 
-/// Throws Error on a parameter that stands for two axes.
+/// Throws Error on a parameter that is named for two axes.
 void require_different_axes(const MapOptions& options) {
   const std::pair<std::string_view, const std::string&> axes[] = {
       {"--x", options.x}, {"--y", options.y}, {"--facet", options.facet}};

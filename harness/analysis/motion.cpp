@@ -1,6 +1,7 @@
 #include "analysis/motion.h"
 
 #include <algorithm>
+#include <set>
 
 namespace gnomon {
 

@@ -12,7 +12,7 @@ struct Motion {
     std::size_t worst = 0;  ///< frame of the worst value, from 0
   };
   std::optional<Range> instability;  ///< between a frame and the one before; nothing when never defined
-  std::optional<Range> error;        ///< of the metric asked for
+  std::optional<Range> error;        ///< of the requested metric
 };
 
 /// The rows that follow a path, in their order, with the range of `error` over the frames. Throws Error when there is none, or

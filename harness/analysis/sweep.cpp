@@ -1,7 +1,5 @@
 #include "analysis/sweep.h"
 
-#include <algorithm>
-
 #include "analysis/in_order.h"
 
 namespace gnomon {
@@ -18,7 +16,7 @@ std::optional<ValueWithInterval> measured_quantity(const Record& record, std::st
   return value ? std::optional(ValueWithInterval(*value)) : std::nullopt;
 }
 
-/// The numeric parameters that have two values in some series: what may be asked instead.
+/// The numeric parameters that have two values in some series: what may be named instead.
 std::vector<std::string> swept_parameters(std::span<const Record> records) {
   std::vector<std::string> swept;
   for (std::string& parameter : numeric_parameters(records)) {

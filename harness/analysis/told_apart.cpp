@@ -12,7 +12,8 @@ namespace {
 
 constexpr double most_false = 0.05;
 
-/// Welch and Satterthwaite: the freedom of a sum of variances.
+}  // namespace
+
 double freedom_of(std::span<const LogTime> parts) {
   double sum = 0, own = 0, least = parts.front().freedom;
   for (const LogTime& part : parts) {
@@ -23,18 +24,20 @@ double freedom_of(std::span<const LogTime> parts) {
   return own > 0 ? sum * sum / own : least;
 }
 
-}  // namespace
-
-std::optional<LogTime> log_time(const ProcessTimes& times) {
+std::optional<LogTime> log_time(const ProcessTimes& times, double least) {
   std::vector<double> logs;
   for (const std::vector<double>& process : times)
-    if (!process.empty()) logs.push_back(std::log(std::max(median(process), least_time)));
-  if (logs.size() < 2) return std::nullopt;
+    if (!process.empty()) logs.push_back(std::log(std::max(median(process), least)));
+  return logs.size() < 2 ? std::nullopt : std::optional(mean_of(logs));
+}
+
+LogTime mean_of(std::span<const double> logs) {
   const auto n = static_cast<double>(logs.size());
-  LogTime time{.freedom = n - 1};
-  for (const double log : logs) time.value += log / n;
-  for (const double log : logs) time.variance += (log - time.value) * (log - time.value) / (n - 1) / n;
-  return time;
+  LogTime mean{.freedom = n - 1};
+  for (const double log : logs) mean.value += log / n;
+  if (logs.size() < 2) return mean;
+  for (const double log : logs) mean.variance += (log - mean.value) * (log - mean.value) / (n - 1) / n;
+  return mean;
 }
 
 LogTime mean_of(std::span<const LogTime> times) {

@@ -7,18 +7,22 @@
 
 namespace gnomon {
 
-/// The logarithm of a time in milliseconds, as its processes tell it: the mean of the logarithms of their medians.
+/// The logarithm of a time in milliseconds: the mean of the logarithms of its processes' medians.
 struct LogTime {
   double value = 0;
   double variance = 0;  ///< of the value, from the spread of the processes
   double freedom = 0;   ///< degrees of freedom of the variance
 };
 
-/// Times below `least_time` count as that. Nothing below two processes.
-std::optional<LogTime> log_time(const ProcessTimes& times);
+/// Times below `least` count as that. Nothing below two processes.
+std::optional<LogTime> log_time(const ProcessTimes& times, double least = least_time);
 
 /// The mean of several that have nothing in common: the logarithm of a geometric mean.
 LogTime mean_of(std::span<const LogTime> times);
+/// The mean of logarithms, and the variance of that mean from their spread, 0 for one value.
+LogTime mean_of(std::span<const double> logs);
+/// Degrees of freedom of a sum of these (Welch and Satterthwaite): the least of theirs where no part varies.
+double freedom_of(std::span<const LogTime> parts);
 
 /// A time and a lesser one that it is compared with, which is the least of `among` times, or was chosen among as many.
 struct Contrast {

@@ -48,19 +48,15 @@ std::string shown(std::string_view text) {
 
 /// The processes that `run`, `check` and the importer start; hidden.
 void add_worker(Program& program) {
-  auto [worker, to_serve] =
-      program.line.command<ServeOptions>("worker", "Serve one technique to the program that started this",
-                                         [](const ServeOptions& read) { return worker_main(read.socket, read.threads); });
-  worker.hide();
-  worker.option("socket", &to_serve.socket, "", {.is_required = true});
-  worker.option("threads", &to_serve.threads, "", {.is_required = true});
-
-  auto [check, to_check] = program.line.command<ServeOptions>(
-      "check-rule", "Ask a technique one rule for the program that started this",
-      [](const ServeOptions& read) { return conformance::rule_child_main(read.socket, read.threads); });
-  check.hide();
-  check.option("socket", &to_check.socket, "", {.is_required = true});
-  check.option("threads", &to_check.threads, "", {.is_required = true});
+  const auto add_server = [&](const char* name, const char* description, int (*serve)(int socket, int threads)) {
+    auto [server, options] = program.line.command<ServeOptions>(
+        name, description, [serve](const ServeOptions& read) { return serve(read.socket, read.threads); });
+    server.hide();
+    server.option("socket", &options.socket, "", {.is_required = true});
+    server.option("threads", &options.threads, "", {.is_required = true});
+  };
+  add_server("worker", "Serve one technique to the program that started this", worker_main);
+  add_server("check-rule", "Ask a technique one rule for the program that started this", conformance::rule_child_main);
 
   auto [mesh, to_import] = program.line.command<ImportOptions>(
       "import-mesh", "Read a mesh file for the program that started this",
@@ -78,7 +74,7 @@ void prepare_process() {
   while (nothing >= 0 && nothing <= STDERR_FILENO);
   if (nothing > STDERR_FILENO) close(nothing);
   for (const int number : {SIGPIPE, SIGXFSZ}) std::signal(number, SIG_IGN);
-  std::signal(SIGINT, SIG_DFL);  // a shell that runs a script lets its background jobs ignore it: they are meant to end, too
+  std::signal(SIGINT, SIG_DFL);  // a shell that runs a script lets its background jobs ignore it: they must end, too
 }
 
 /// Whether this process is one of those that the program starts, where techniques run: a worker's command has two numbers
@@ -125,7 +121,7 @@ int run_program(int argc, char** argv) {
     print_notice("gnomon: {}: {}\n", shown(error.path1().string()), error.code().message());
     return 2;
   } catch (const std::system_error& error) {
-    if (error.code() != std::errc::broken_pipe)  // who has read enough wants no words
+    if (error.code() != std::errc::broken_pipe)  // the reader has read enough
       print_notice("gnomon: standard output cannot be written: {}\n", error.code().message());
     return 2;
   } catch (const std::bad_alloc&) {

@@ -1,29 +1,24 @@
 #pragma once
 #include <gnomon/scene.h>
 
-#include <memory>
+#include <algorithm>
 #include <span>
-#include <string>
-#include <vector>
 
 #include "app/command_line.h"
+#include "measure/record/record.h"
 #include "measure/worker/worker_process.h"
-
-namespace gnomon {
-struct Record;
-}
 
 namespace gnomon::app {
 
-/// What every command may look at: options given before the command.
+/// What every command may read: options given before the command.
 struct Program {
   CommandLine line;
   std::vector<std::string> plugins;  ///< as WorkerOptions has them
   std::vector<std::string> words;    ///< that it was called by, the first "gnomon"
 };
 
-// One function per command: adds it, what it takes and what it does. Each is in command_NAME.cpp, or with a command of its
-// kind: describe and docs with list, merge with run, report with table, figure with analyze.
+// One function per command: adds it, its options and its work. Each is in command_NAME.cpp, or with a command of its kind:
+// describe and docs with list, merge with run, report with table, figure with analyze.
 void add_list(Program& program);
 void add_describe(Program& program);
 void add_check(Program& program);
@@ -54,8 +49,22 @@ void write_tables(const std::filesystem::path& folder, std::span<const Record> r
 /// Columns of the terminal on stdout; 0, no limit, when there is none.
 std::size_t terminal_width();
 
-/// runs/NAME-TIME, where nobody said where to write.
+/// runs/NAME-TIME, where no option names a folder.
 std::filesystem::path timed_folder(const std::string& name);
+
+/// The name in a list, which is empty where there is none.
+inline std::vector<std::string> listed(const std::string& name) {
+  return name.empty() ? std::vector<std::string>() : std::vector{name};
+}
+
+/// The lights or views of these names; all without names.
+template <class Item>
+std::vector<const Item*> chosen(const std::vector<Item>& items, const std::vector<std::string>& names) {
+  std::vector<const Item*> result;
+  for (const Item& item : items)
+    if (names.empty() || std::ranges::find(names, item.name) != names.end()) result.push_back(&item);
+  return result;
+}
 
 /// WorkerOptions from --threads and the plugins. Throws Error on more threads than cores.
 WorkerOptions worker_options(const Program& program, int threads);

@@ -1,4 +1,4 @@
-// gnomon analyze and gnomon figure: what a run says, as a table and as a picture.
+// gnomon analyze and gnomon figure: the results of a run as a table and as a picture.
 #include <map>
 #include <unordered_map>
 
@@ -35,9 +35,8 @@ void require_taken(const Command& command, const std::string& kind, const std::v
   for (const auto& [other, options] : taken_options)
     for (const std::string& name : options) {
       if (!command.is_given(name) || takes(kind, name)) continue;
-      std::vector<std::string> takers;
-      for (const std::string& one : kinds)
-        if (takes(one, name)) takers.push_back(one);
+      std::vector<std::string> takers = kinds;
+      std::erase_if(takers, [&](const std::string& one) { return !takes(one, name); });
       const std::string last = takers.back();
       takers.pop_back();
       throw Error("{} is for {}{}{}; {} does not take it", name, joined(takers, ", "), takers.empty() ? "" : " and ", last,
@@ -90,8 +89,8 @@ std::string take_kind(Options& options, const Command& command, const std::strin
   return kind;
 }
 
-/// The records of these folders, in order, that match --filter. A row that stands in several folders counts once, by its first
-/// record, and stderr says how many did. Throws Error when two folders answer a job differently, and when there is no record.
+/// The records of these folders, in order, that match --filter. A row that several folders contain counts once, by its first
+/// record, and stderr says how many do. Throws Error when two folders answer a job differently, and when there is no record.
 std::vector<Record> read_runs(const Options& options) {
   std::vector<Record> all;
   std::unordered_map<std::string, std::pair<std::size_t, std::string>>

@@ -29,11 +29,10 @@ struct Kind {
 std::vector<Kind> kinds_of(const std::vector<CachedFile>& files) {
   std::vector<Kind> kinds = {{"scene"}, {"gbuffer"}, {"reference"}};
   for (const CachedFile& file : files)
-    for (Kind& kind : kinds)
-      if (kind.name == file.kind) {
-        ++kind.count;
-        kind.bytes += file.bytes;
-      }
+    if (const auto kind = std::ranges::find(kinds, file.kind, &Kind::name); kind != kinds.end()) {
+      ++kind->count;
+      kind->bytes += file.bytes;
+    }
   return kinds;
 }
 

@@ -1,6 +1,4 @@
 // gnomon certify: the reference against exact answers.
-#include <algorithm>
-
 #include "app/app.h"
 #include "measure/frame/certify.h"
 #include "measure/frame/certify_soft.h"
@@ -21,15 +19,6 @@ struct CertifyCommand {
   bool json = false;
 };
 
-/// The lights or views of these names; all without names.
-template <class Item>
-std::vector<const Item*> chosen(const std::vector<Item>& items, const std::vector<std::string>& names) {
-  std::vector<const Item*> result;
-  for (const Item& item : items)
-    if (names.empty() || std::ranges::find(names, item.name) != names.end()) result.push_back(&item);
-  return result;
-}
-
 int run_certify(const CertifyCommand& options) {
   const auto [width, height] = parse_size(options.size, "--size");
   const Scene scene = load_scene(options.scene);
@@ -43,30 +32,25 @@ int run_certify(const CertifyCommand& options) {
                     std::make_unique<WorkerFrameMaker>(std::filesystem::path(), "", shown_on(progress, options.scene)));
   bool all_hold = true;
   Json list = Json::array();
+  const auto report = [&](const auto& certificate) {
+    all_hold = all_hold && certificate.holds();
+    if (options.json)
+      list.push_back(certificate);
+    else
+      fmt::print("{}\n", text(certificate));
+  };
   for (const View* view : views)
     for (const Light* light : lights) {
-      // The oracle knows triangles: the certificate is of mesh truth.
+      // The oracle tests triangles: the certificate is of mesh truth.
       const FrameKey key{*view, width, height, Truth::mesh};
       const Reference reference = frames.reference(key, *light);
-      if (reference.kind == AnswerKind::fraction) {
-        const SoftCertificate certificate = certify_soft(scene, *light, frames.gbuffer(key), reference,
-                                                         {.reference = frames.casters(Truth::mesh).description()});
-        all_hold = all_hold && certificate.holds();
-        if (options.json)
-          list.push_back(certificate);
-        else
-          fmt::print("{}\n", text(certificate));
-        continue;
-      }
-      CertifyOptions certify_options;
-      certify_options.is_uncertain = [&](std::size_t i) { return reference.classes[i] == PixelClass::U; };
-      certify_options.reference = frames.casters(Truth::mesh).description();
-      const Certificate certificate = certify(scene, *light, frames.gbuffer(key), reference.mask, certify_options);
-      all_hold = all_hold && certificate.holds();
-      if (options.json)
-        list.push_back(certificate);
+      const GBuffer gbuffer = frames.gbuffer(key);
+      const std::string casters = frames.casters(Truth::mesh).description();
+      const auto is_uncertain = [&](std::size_t i) { return reference.classes[i] == PixelClass::U; };
+      if (reference.kind == AnswerKind::fraction)
+        report(certify_soft(scene, *light, gbuffer, reference, {.reference = casters}));
       else
-        fmt::print("{}\n", text(certificate));
+        report(certify(scene, *light, gbuffer, reference.mask, {.is_uncertain = is_uncertain, .reference = casters}));
     }
   if (options.json) fmt::print("{}\n", json_text(list, 2));
   return all_hold ? 0 : 1;

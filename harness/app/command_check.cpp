@@ -1,4 +1,4 @@
-// gnomon check: whether a technique keeps the rules, each asked in a process of its own.
+// gnomon check: whether a technique keeps the rules, each tested in a process of its own.
 #include <gnomon/registry.h>
 
 #include <chrono>

@@ -1,5 +1,3 @@
-
-#include "analysis/compare.h"
 #include "app/app.h"
 #include "app/suite_options.h"
 #include "measure/run/run.h"

@@ -48,13 +48,9 @@ Arrays reference_arrays(const Reference& reference, std::span<const std::uint32_
 void export_frame(const ExportOptions& options) {
   const auto [width, height] = parse_size(options.size, "--size");
   const Scene scene = load_scene(options.scene);
-  require_names(options.scene, scene, options.lights,
-                options.view.empty() ? std::vector<std::string>() : std::vector{options.view});
+  require_names(options.scene, scene, options.lights, listed(options.view));
   const FrameKey key{named_or_first(scene.views, options.view), width, height, parse_truth(options.truth)};
-  std::vector<const Light*> lights;
-  for (const Light& light : scene.lights)
-    if (options.lights.empty() || std::ranges::find(options.lights, light.name) != options.lights.end())
-      lights.push_back(&light);
+  const std::vector<const Light*> lights = chosen(scene.lights, options.lights);
   for (const Light* light : lights) require_reference(scene, *light, key.view);
 
   StagedFolder folder(options.out);

@@ -4,8 +4,9 @@
 #include <gnomon/param.h>
 
 #include <CLI/CLI.hpp>
-#include <charconv>
 #include <cmath>
+
+#include "analysis/analysis.h"
 
 namespace gnomon::app {
 
@@ -14,10 +15,8 @@ namespace {
 /// The whole text is a finite number that is good; else the message says that it is not `what`. CLI::Range lets NaN pass.
 Check number_that(std::function<bool(double)> is_good, const std::string& what, const std::string& range) {
   const auto error = [=](const std::string& text) -> std::string {
-    double value = 0;
-    const auto [end, code] = std::from_chars(text.data(), text.data() + text.size(), value);
-    const bool is_number = code == std::errc{} && end == text.data() + text.size() && std::isfinite(value);
-    return is_number && is_good(value) ? "" : fmt::format("{} is not {}", text, what);
+    const std::optional<double> value = number_from(text);
+    return value && std::isfinite(*value) && is_good(*value) ? "" : fmt::format("{} is not {}", text, what);
   };
   return {error, range};
 }
@@ -102,20 +101,20 @@ Check one_of(std::vector<std::string> words) {
 
 CLI::Option* Command::option(std::string_view names, OptionTarget target, std::string_view description,
                              const OptionRules& rules) {
+  // CLI11 reads an empty text as 0.
+  const CLI::Validator is_not_empty(
+      [](const std::string& text) { return std::string(text.empty() ? "a number is wanted" : ""); }, "");
   const auto add = [&](auto* value) {
     CLI::Option* const option = command_->add_option(std::string(names), *value, std::string(description));
     using Value = std::remove_pointer_t<decltype(value)>;
     if constexpr (std::is_arithmetic_v<Value> || std::is_same_v<Value, std::string>)
       if (*value != Value()) option->capture_default_str();
+    if constexpr (std::is_arithmetic_v<Value> || std::is_same_v<Value, std::optional<double>> ||
+                  std::is_same_v<Value, std::vector<double>>)
+      option->check(is_not_empty);
     return option;
   };
   CLI::Option* const option = std::visit(add, target)->required(rules.is_required)->delimiter(rules.delimiter);
-  const bool is_number = std::holds_alternative<int*>(target) || std::holds_alternative<double*>(target) ||
-                         std::holds_alternative<std::optional<double>*>(target) ||
-                         std::holds_alternative<std::vector<double>*>(target);
-  // CLI11 reads an empty text as 0.
-  const auto no_number = [](const std::string& text) { return std::string(text.empty() ? "a number is wanted" : ""); };
-  if (is_number) option->check(CLI::Validator(no_number, ""));
   if (rules.check.error) option->check(CLI::Validator(rules.check.error, rules.check.range));
   if (!rules.type_name.empty()) option->type_name(rules.type_name);
   if (rules.needs) option->needs(rules.needs);
@@ -149,23 +148,17 @@ CommandLine::CommandLine(const std::string& description, const std::string& prog
 CommandLine::~CommandLine() = default;
 
 void CommandLine::early_option(const std::string& name, const std::string& type_name, const std::string& description,
-                               std::function<void(const std::string&)> use) {
-  early_.push_back({name, type_name, description, std::move(use)});
-  add_early(*cli_, early_.back());
-}
-
-void CommandLine::add_early(CLI::App& to, const EarlyOption& option) {
-  // Without a target: one is cleared when the option comes again.
-  to.add_option(option.name, option.description)
-      ->type_name(option.type_name)
-      ->expected(1)
-      ->trigger_on_parse()
-      ->each(option.use);
+                               const std::function<void(const std::string&)>& use) {
+  early_.push_back([=](CLI::App& to) {
+    // Without a target: one is cleared when the option comes again.
+    to.add_option(name, description)->type_name(type_name)->expected(1)->trigger_on_parse()->each(use);
+  });
+  early_.back()(*cli_);
 }
 
 Command CommandLine::add(const std::string& name, const std::string& description) {
   CLI::App* const command = cli_->add_subcommand(name, description);
-  for (const EarlyOption& option : early_) add_early(*command, option);
+  for (const auto& add_early : early_) add_early(*command);
   return {command, &chosen_};
 }
 

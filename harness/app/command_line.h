@@ -23,7 +23,7 @@ namespace gnomon::app {
 using OptionTarget = std::variant<std::string*, std::filesystem::path*, int*, double*, std::optional<double>*,
                                   std::vector<std::string>*, std::vector<std::filesystem::path>*, std::vector<double>*>;
 
-/// A condition that the text of a value must meet; one without a function is none.
+/// A condition that the text of a value must meet; without a function there is none.
 struct Check {
   std::function<std::string(const std::string&)> error = {};  ///< what is wrong with the text; "" when nothing is
   std::string range = {};                                     ///< for the help, beside the kind of the value: "above 0"
@@ -36,7 +36,7 @@ Check above_zero();                            ///< the whole text is a finite n
 Check whole_in(int low, int high);             ///< a whole number, `low` and `high` included
 Check one_of(std::vector<std::string> words);  ///< the text is one of them
 
-/// What else holds of an option.
+/// Further properties of an option.
 struct OptionRules {
   bool is_required = false;
   Check check = {};
@@ -48,7 +48,7 @@ struct OptionRules {
 
 inline const OptionRules no_rules;
 
-/// One command, to add what it takes. A handle: copies speak of the same command.
+/// One command, to which its options are added. A handle: copies refer to the same command.
 class Command {
  public:
   Command(CLI::App* command, std::function<int()>* chosen) : command_(command), chosen_(chosen) {}
@@ -58,7 +58,7 @@ class Command {
   CLI::Option* option(std::string_view names, OptionTarget target, std::string_view description = "",
                       const OptionRules& rules = no_rules);
   CLI::Option* flag(std::string_view names, bool* target, std::string_view description, CLI::Option* needs = nullptr);
-  /// What the command does, after its words were read into their targets; answers the exit status.
+  /// What the command does, after its words were read into their targets; returns the exit status.
   void action(std::function<int()> action);
   /// Leaves the command out of the help and of the lists of commands.
   void hide();
@@ -79,9 +79,9 @@ class CommandLine {
   /// An option that may be given again, before the command or among what the command takes; `use` gets each value when it is
   /// read, before the command runs. Commands that are added later take it.
   void early_option(const std::string& name, const std::string& type_name, const std::string& description,
-                    std::function<void(const std::string&)> use);
-  /// A command, which keeps what it read in a struct, and that struct with its defaults. `work` does what the
-  /// command is for, called with the options, or with the options and the command; answers the exit status, or nothing for 0.
+                    const std::function<void(const std::string&)>& use);
+  /// A command, which stores what it read in a struct, and that struct with its defaults. `work` does what the
+  /// command is for, called with the options, or with the options and the command; returns the exit status, or nothing for 0.
   template <class Options, class Work>
   std::pair<Command, Options&> command(const std::string& name, const std::string& description, Work work) {
     Command added = add(name, description);
@@ -100,21 +100,15 @@ class CommandLine {
     return {added, *options};
   }
 
-  /// Reads the words and runs the command that they name; answers its exit status. Prints the help or the version where that
-  /// is wanted. Throws Error, which says what there is instead, when the words name no command or not what it takes.
+  /// Reads the words and runs the command that they name; returns its exit status. Prints the help or the version on request.
+  /// Throws Error, which lists the valid words, when the words name no command or not what it takes.
   int run(int argc, char** argv);
 
  private:
   Command add(const std::string& name, const std::string& description);
 
-  struct EarlyOption {
-    std::string name, type_name, description;
-    std::function<void(const std::string&)> use;
-  };
-  static void add_early(CLI::App& to, const EarlyOption& option);
-
   std::unique_ptr<CLI::App> cli_;
-  std::vector<EarlyOption> early_;
+  std::vector<std::function<void(CLI::App&)>> early_;  ///< each adds an early option to the program or to a command
   std::function<int()> chosen_;
 };
 

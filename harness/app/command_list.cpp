@@ -1,6 +1,7 @@
 // gnomon list, describe and docs: what there is, for the terminal, for programs and as pages.
 #include <gnomon/registry.h>
 
+#include "analysis/analysis.h"
 #include "app/app.h"
 #include "measure/part_file.h"
 #include "measure/paths.h"
@@ -60,23 +61,17 @@ struct ListOptions {
 
 void list_content(const ListOptions& options) {
   const auto techniques = std::span(registry().techniques());
-  if (options.what == "techniques")
-    print(list_text(techniques, terminal_width()), list_json(techniques), options.json);
-  else if (options.what == "metrics")
-    print(list_text(metric_infos(), terminal_width()), list_json(metric_infos()), options.json);
-  else if (options.what == "causes")
-    print(list_text(cause_infos(), techniques, terminal_width()), list_json(cause_infos(), techniques), options.json);
-  else if (options.what == "rules")
-    print(list_text(conformance::rules(), terminal_width()), list_json(conformance::rules()), options.json);
-  else if (options.what == "scenes")
-    print_scenes(options.json);
-  else if (options.what == "suites")
-    print_suites(options.json);
-  else {
-    const std::vector<std::string> lists = {"techniques", "scenes", "suites", "metrics", "causes", "rules"};
-    throw Error("there is no list {}; did you mean {}? There are: {}", options.what, nearest_word(options.what, lists),
-                joined(lists, ", "));
-  }
+  const auto print_all = [&](const auto&... infos) {
+    print(list_text(infos..., terminal_width()), list_json(infos...), options.json);
+  };
+  if (options.what == "techniques") return print_all(techniques);
+  if (options.what == "metrics") return print_all(metric_infos());
+  if (options.what == "causes") return print_all(cause_infos(), techniques);
+  if (options.what == "rules") return print_all(conformance::rules());
+  if (options.what == "scenes") return print_scenes(options.json);
+  if (options.what == "suites") return print_suites(options.json);
+  require_word("there is no list", options.what,
+               std::vector<std::string>{"techniques", "scenes", "suites", "metrics", "causes", "rules"});
 }
 
 struct DescribeOptions {

@@ -31,7 +31,7 @@ struct RenderOptions {
   double timeout = 120;
 };
 
-/// The debug layer of that name; nothing when none is asked for. Refuses one that the technique does not have before anything
+/// The debug layer of that name; nothing for an empty name. Refuses one that the technique does not have before anything
 /// runs.
 std::optional<DebugLayer> find_layer(const Contender& contender, const std::string& layer) {
   if (layer.empty()) return std::nullopt;
@@ -47,7 +47,7 @@ std::optional<DebugLayer> find_layer(const Contender& contender, const std::stri
               joined(layers, ", "));
 }
 
-/// Where a light's surface detail goes: the first light's to the file that is asked for, every further one's beside it.
+/// Where a light's surface detail goes: the first light's to the file that --detail names, every further one's beside it.
 fs::path detail_file_of(const fs::path& file, const std::string& tail) {
   return fs::path(file).replace_filename(file.stem().string() + tail + ".obj");
 }
@@ -93,7 +93,7 @@ std::vector<std::string> detail_notes(const Job& job, const Light& light) {
 /// first that is not has the plain names.
 std::string tail_of(const std::vector<Job>& jobs, const Job& job) { return &job == jobs.data() ? "" : "_" + job.light; }
 
-/// A suite of what is asked for: one technique on one scene and view.
+/// A suite of one technique on one scene and view.
 Suite render_suite(const RenderOptions& options, const Contender& contender) {
   Suite suite;
   suite.name = "render";
@@ -137,9 +137,6 @@ class Rendering {
       : options_(options),
         layer_(std::move(layer)),
         jobs_(jobs),
-        detail_folder_(options.detail.empty() ? nullptr : new StagedFolder(options.detail, StagedFolder::Target::file)),
-        folder_(options.out),
-        scratch_(ScratchFolder::at(folder_.path / "scratch")),
         suite_(suite),
         run_(scene, {.cache = cache_root() / "frames",
                      .scratch = scratch_.path(),
@@ -253,9 +250,10 @@ class Rendering {
   const RenderOptions& options_;
   const std::optional<DebugLayer> layer_;
   const std::vector<Job>& jobs_;
-  const std::unique_ptr<StagedFolder> detail_folder_;
-  const StagedFolder folder_;
-  const ScratchFolder scratch_;
+  const std::unique_ptr<StagedFolder> detail_folder_{
+      options_.detail.empty() ? nullptr : new StagedFolder(options_.detail, StagedFolder::Target::file)};
+  const StagedFolder folder_{options_.out};
+  const ScratchFolder scratch_ = ScratchFolder::at(folder_.path / "scratch");
   Progress progress_;  ///< of the frames that are traced
   const Suite& suite_;
   SceneRun run_;

@@ -1,6 +1,4 @@
 // gnomon run and merge: the folder of a run, measured, or put together of several.
-
-#include <algorithm>
 #include <charconv>
 #include <set>
 
@@ -66,12 +64,12 @@ std::pair<int, int> parse_shard(const std::string& text) {
   return {index, count};
 }
 
-/// The rows that would be run, without those that are done, and how long they would take by what is known of earlier ones.
+/// The rows that would be run, without those that are done, and how long they would take, estimated from earlier ones.
 void print_rows(const RunOptions& options, SceneLibrary& library) {
   const std::vector<Job> suite_jobs = expand_jobs(options.suite, library, options.worker).jobs;
   std::vector<Job> jobs = select_jobs(options, suite_jobs);
   const Earlier earlier = options.resume ? earlier_rows(options, library, suite_jobs, jobs) : Earlier{};
-  const std::size_t asked = jobs.size();
+  const std::size_t requested = jobs.size();
   std::erase_if(jobs, [&](const Job& job) { return earlier.done.contains(job.hash); });
   std::vector<std::string> sizes;
   for (const Job& job : jobs) {
@@ -82,7 +80,7 @@ void print_rows(const RunOptions& options, SceneLibrary& library) {
                missing.empty() ? "" : "  unsupported: " + missing);
   }
   const Suite& suite = options.suite;
-  if (asked > jobs.size()) fmt::print("{} are done\n", asked - jobs.size());
+  if (requested > jobs.size()) fmt::print("{} are done\n", requested - jobs.size());
   fmt::print("{} rows, {} processes x {} repetitions each", jobs.size(), suite.processes, suite.repetitions);
   fmt::print("{}\n", sizes.empty() ? "" : fmt::format(", {} pixels", joined(sizes, ", ")));
   std::erase_if(jobs, [&](const Job& job) { return !library.get(job.scene).missing.empty(); });
@@ -94,7 +92,7 @@ void print_rows(const RunOptions& options, SceneLibrary& library) {
   if (suite.interval > 0) fmt::print("and up to {} more for narrow intervals\n", duration_text(suite.budget));
 }
 
-/// Says on stderr which scenes are not fetched, for their rows hold no answer. Whether any row has one.
+/// Whether any row has an answer. Says on stderr which scenes are not fetched: their rows have none.
 bool has_answers(std::span<const Record> records) {
   std::set<std::string> missing;
   const auto is_answered = [&](const Record& record) {

@@ -1,8 +1,7 @@
-// gnomon score: a mask that another program made, against the reference; as a row of a run where that is wanted.
-#include <algorithm>
-#include <charconv>
+// gnomon score: a mask that another program made, against the reference; on request as a row of a run.
 #include <cmath>
 
+#include "analysis/analysis.h"
 #include "app/app.h"
 #include "app/staged_folder.h"
 #include "measure/paths.h"
@@ -30,38 +29,30 @@ struct ScoreOptions {
   bool json = false;
 };
 
-/// A light of the scene, and the channel of the file that answers it.
+/// A light of the scene, and the channel of the file with its mask.
 struct Channel {
   const Light& light;
   std::string name;
 };
 
-/// The lights of these names; all without names.
-std::vector<const Light*> chosen(const std::vector<Light>& lights, const std::vector<std::string>& names) {
-  std::vector<const Light*> result;
-  for (const Light& light : lights)
-    if (names.empty() || std::ranges::find(names, light.name) != names.end()) result.push_back(&light);
-  return result;
-}
-
-/// By the names that this program writes, LIGHT.V; another name only where it is clear whose it is.
+/// By the names that this program writes, LIGHT.V; by another name only of a single light and channel.
 std::vector<Channel> channels_of(const ScoreOptions& options, const Scene& scene) {
   const std::vector<std::string> present = image_files().exr_channels(options.mask);
   const auto has = [&](const std::string& name) { return std::ranges::find(present, name) != present.end(); };
-  const std::vector<const Light*> asked = chosen(scene.lights, options.lights);
+  const std::vector<const Light*> lights = chosen(scene.lights, options.lights);
   const std::string file = options.mask.string(), names = joined(present, ", ");
   if (!options.channel.empty()) {
-    if (asked.size() != 1)
-      throw Error("--channel {} is of one light, and {} are asked for: name one with --light", options.channel, asked.size());
+    if (lights.size() != 1)
+      throw Error("--channel {} is of one light, and {} are asked for: name one with --light", options.channel, lights.size());
     if (!has(options.channel)) throw Error("{} has no channel {}; it has: {}", file, options.channel, names);
-    return {{*asked[0], options.channel}};
+    return {{*lights[0], options.channel}};
   }
   std::vector<Channel> channels;
-  for (const Light* light : asked) {
+  for (const Light* light : lights) {
     const std::string name = light->name + ".V";
     if (has(name))
       channels.push_back({*light, name});
-    else if (asked.size() == 1 && present.size() == 1)
+    else if (lights.size() == 1 && present.size() == 1)
       channels.push_back({*light, present[0]});
     else if (!options.lights.empty())
       throw Error("{} has no channel {}; it has: {}", file, name, names);
@@ -101,15 +92,13 @@ Json json_of(const Metrics& metrics) {
   Json values = Json::object();
   for (const MetricInfo& info : metric_infos()) {
     const std::string name(info.name);
-    if (const std::optional<double> value = metrics.at(name))
-      values[name] = *value;
-    else
-      values[name] = nullptr;
+    const std::optional<double> value = metrics.at(name);
+    values[name] = value ? Json(*value) : Json(nullptr);
   }
   return values;
 }
 
-/// What became of the whole mask, in words and in numbers.
+/// What a change of the whole mask explains, in words and in numbers.
 Json json_of(const ScoredMask& mask) {
   const WholeMask& whole = *mask.whole;
   Json json = json_object({{"change", name(whole.change)}, {"explained", whole.explained}, {"words", mask.words()}});
@@ -126,7 +115,7 @@ std::map<std::string, std::uint64_t> causes_that_occur(const Score& score) {
   return counts;
 }
 
-/// What those hold of the wrong rate, of an answer that is a fraction of the mean error.
+/// Their parts of the wrong rate; of an answer that is a fraction, of the mean error.
 std::map<std::string, double> shares_of(const std::map<std::string, std::uint64_t>& causes, const RowScore& score) {
   std::map<std::string, double> shares;
   const auto tested = static_cast<double>(std::max<std::size_t>(1, score.errors.tested));
@@ -175,26 +164,23 @@ void report(const Question& question, std::size_t k, const ScoredMask& mask, Jso
   if (mask.whole) row["whole_mask"] = json_of(mask);
 }
 
-/// "resolve=12.5": milliseconds that somebody told, by stage.
+/// "resolve=12.5": milliseconds by stage that the caller claims.
 std::map<Stage, double> told_times(const std::vector<std::string>& words) {
   std::map<Stage, double> times;
   for (const std::string& word : words) {
     const std::size_t equal = std::min(word.find('='), word.size());
     const auto* const stage = std::ranges::find(stage_names, std::string_view(word).substr(0, equal));
-    const std::string number = word.substr(std::min(equal + 1, word.size()));
-    double ms = 0;
-    const auto [end, code] = std::from_chars(number.data(), number.data() + number.size(), ms);
-    if (stage == std::end(stage_names) || code != std::errc{} || end != number.data() + number.size() || !std::isfinite(ms) ||
-        ms < 0)
+    const std::optional<double> ms = number_from(std::string_view(word).substr(std::min(equal + 1, word.size())));
+    if (stage == std::end(stage_names) || !ms || !std::isfinite(*ms) || *ms < 0)
       throw Error("--ms {} is not STAGE=MILLISECONDS with a stage of {} and a number of 0 or more", word,
                   joined(std::vector<std::string>(std::begin(stage_names), std::end(stage_names)), ", "));
-    if (!times.emplace(static_cast<Stage>(stage - std::begin(stage_names)), ms).second)
+    if (!times.emplace(static_cast<Stage>(stage - std::begin(stage_names)), *ms).second)
       throw Error("--ms tells {} twice", word.substr(0, equal));
   }
   return times;
 }
 
-/// How the rows are called, with everything that is wrong with it said before anything is read. Nothing where no row is wanted.
+/// What the rows are called. Throws Error on what is wrong with it before anything is read. Nothing where no row is requested.
 std::optional<ForeignMask> wanted_row(const ScoreOptions& options) {
   if (options.label.empty() && options.technique.empty()) {
     if (!options.told.empty()) throw Error("--ms is of a row: give it a --label, and --out for the run's folder");
@@ -262,8 +248,7 @@ void score_masks(Question& question, FrameStore& frames, Json& list) {
 void score(const ScoreOptions& options) {
   const std::optional<ForeignMask> called = wanted_row(options);
   const Scene scene = load_scene(options.scene);
-  require_names(options.scene, scene, options.lights,
-                options.view.empty() ? std::vector<std::string>() : std::vector{options.view});
+  require_names(options.scene, scene, options.lights, listed(options.view));
   const View& view = named_or_first(scene.views, options.view);
   Question question{options, scene, {}, channels_of(options, scene), {}};
   for (const Channel& channel : question.channels) require_reference(scene, channel.light, view);

@@ -6,7 +6,6 @@
 #include "measure/scene/blob.h"
 #include "report/analysis/machine_table.h"
 #include "report/html/html.h"
-#include "report/table/table.h"
 
 namespace gnomon::app {
 

@@ -40,9 +40,8 @@ int view(ViewCommand& options, const Program& program) {
     throw Error("--screenshot {} is no name that ends in .png", view.screenshot.string());
   view.loaded = std::make_shared<viewer::LoadedScene>(viewer::LoadedScene{selection.scene, load_scene(selection.scene)});
   const Scene& scene = view.loaded->scene;
-  const auto names = [](const std::string& name) { return name.empty() ? std::vector<std::string>{} : std::vector{name}; };
   const bool is_plain = options.light.empty() || is_light_name(options.light);
-  require_names(selection.scene, scene, is_plain ? names(options.light) : names(""), names(options.view_name));
+  require_names(selection.scene, scene, listed(is_plain ? options.light : ""), listed(options.view_name));
   if (is_plain) {
     selection.light = named_or_first(scene.lights, options.light);
   } else {

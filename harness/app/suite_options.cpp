@@ -2,8 +2,6 @@
 
 #include <gnomon/error.h>
 
-#include <algorithm>
-
 #include "app/app.h"
 
 namespace gnomon::app {

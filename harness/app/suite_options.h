@@ -1,8 +1,4 @@
 #pragma once
-#include <optional>
-#include <string>
-#include <vector>
-
 #include "app/command_line.h"
 #include "measure/run/suite.h"
 
@@ -17,8 +13,8 @@ struct SuiteOptions {
   std::optional<double> timeout, interval, budget;
 };
 
-/// Adds what both commands take; `when`, "With --live: ", stands before what the help says of each. Where they are for another
-/// option only, `needed` is that one.
+/// Adds what both commands take; `when`, "With --live: ", begins the help of each. Where they require another option,
+/// `needed` is that one.
 void add_suite_options(Command& command, SuiteOptions& options, const std::string& when = "", CLI::Option* needed = nullptr);
 
 /// The suite with what the options change of it; a light, a view, a size or a truth that is given replaces those of all its

@@ -26,7 +26,7 @@ ${calls}}
 endfunction()
 
 # gnomon_default_flags(NAME): where neither build type nor flags of the project choose an optimization, the target gets the
-# program's own; an installed package knows it. Without it CMake compiles without any.
+# program's own; an installed package stores it. Without it CMake compiles without any.
 function(gnomon_default_flags name)
   if(GNOMON_BUILD_FLAGS AND NOT CMAKE_BUILD_TYPE AND NOT CMAKE_CONFIGURATION_TYPES AND NOT CMAKE_CXX_FLAGS MATCHES "(^| )-O")
     separate_arguments(flags NATIVE_COMMAND "${GNOMON_BUILD_FLAGS}")

@@ -1,8 +1,8 @@
 # Techniques that are programs of their own: techniques/ID.toml, with its files in techniques/ID.
 option(GNOMON_ENGINES "Build the renderers of engines whose libraries are there" ON)
 
-# gnomon_add_renderer(ID modules...): what stands between an engine's library and its adapter in Python, a program gnomon_ID beside
-# `gnomon`, of the .cpp files in techniques/ID. Modules are pkg-config's; where one is missing, the technique says what to install.
+# gnomon_add_renderer(ID modules...): the program gnomon_ID beside `gnomon`, between an engine's library and its adapter in
+# Python, of the .cpp files in techniques/ID. Modules are pkg-config's; where one is missing, the technique says what to install.
 # No package has it: it would need the engine. `cmake --install BUILD --component engines` installs it.
 function(gnomon_add_renderer id)
   pkg_check_modules(${id} QUIET IMPORTED_TARGET ${ARGN})

@@ -8,21 +8,6 @@
 
 namespace gnomon {
 
-namespace {
-
-Program depth_program() {
-  const std::string vertex = std::string(position_snippet) + "void main() { gl_Position = place(vec4(position, 1)); }";
-  return {"bare pass: depth", vertex, "void main() {}"};
-}
-
-Program fetch_program() {
-  const std::string fragment =
-      std::string(gbuffer_snippet) + "out float answer; void main() { answer = position_here().w * normal_here().w; }";
-  return {"bare pass: fetch", full_screen_vertex, fragment};
-}
-
-}  // namespace
-
 BarePass::BarePass(Floor floor, const Scene& scene, const GBuffer& gbuffer)
     : floor_(floor), scene_(scene), gbuffer_(gbuffer), meshes_(scene.meshes.size()) {
   std::iota(meshes_.begin(), meshes_.end(), 0u);
@@ -32,11 +17,15 @@ BarePass::BarePass(Floor floor, const Scene& scene, const GBuffer& gbuffer)
     case Floor::none:
       throw Error("a technique without a floor has no bare pass");
     case Floor::depth_draw:
-      program_ = depth_program();
+      program_ =
+          Program("bare pass: depth", std::string(position_snippet) + "void main() { gl_Position = place(vec4(position, 1)); }",
+                  "void main() {}");
       program_.set("clip_from_world", glm::mat4(clip_from_world(gbuffer, scene)));
       break;
     case Floor::fetch:
-      program_ = fetch_program();
+      program_ = Program(
+          "bare pass: fetch", full_screen_vertex,
+          std::string(gbuffer_snippet) + "out float answer; void main() { answer = position_here().w * normal_here().w; }");
       break;
     case Floor::copy:
       from_ = Texture(GL_R32F, gbuffer.width, gbuffer.height);

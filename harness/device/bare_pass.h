@@ -4,7 +4,7 @@
 namespace gnomon {
 
 /// The pass that a data sheet names as its floor, made ready to be drawn again and again: About::floor says what each does. All
-/// are of the picture's size, whatever the size of a technique's own images. Needs a current context in the house state; scene
+/// have the picture's size, whatever the size of a technique's own images. Needs a current context in the house state; scene
 /// and G-buffer outlive it. Throws Error for Floor::none.
 class BarePass {
  public:

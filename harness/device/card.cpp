@@ -9,7 +9,7 @@ namespace gnomon {
 
 namespace {
 
-// What is used of NVIDIA's nvml.h, which says: all functions return 0 on success, clocks are MHz, power is milliwatts.
+// What is used of NVIDIA's nvml.h: all functions return 0 on success, clocks are MHz, power is milliwatts.
 using Device = void*;
 constexpr int graphics_clock = 0, memory_clock = 2, gpu_temperature = 0;
 

@@ -7,7 +7,6 @@
 #include <gnomon/kit/gl/gl_limits.h>
 
 #include <cstdlib>
-#include <string_view>
 #include <vector>
 
 namespace gnomon {
@@ -16,7 +15,9 @@ namespace {
 
 constexpr std::string_view needed_packages = "libegl1 libgl1-mesa-dri";
 
-/// Extension functions are not exported by libEGL: they are asked for by name.
+bool has_process_context = false;
+
+/// Extension functions are not exported by libEGL: they are looked up by name.
 template <class Function>
 Function egl_function(const char* name) {
   const auto function = reinterpret_cast<Function>(eglGetProcAddress(name));
@@ -64,7 +65,7 @@ void choose_mesa_driver(GlChoice choice) {
 
 }  // namespace
 
-// A render node without its own driver is served by Mesa's processor renderers: only the renderer's name tells.
+// A render node without its own driver is served by Mesa's processor renderers: only the renderer's name shows it.
 GlChoice driver_of(std::string_view renderer) {
   for (const std::string_view name : {"llvmpipe", "softpipe", "swrast", "SWR"})
     if (renderer.find(name) != std::string_view::npos)
@@ -85,7 +86,7 @@ GlChoice gl_choice_from_environment() {
 GlContext::GlContext(GlChoice choice) {
   choose_mesa_driver(choice);
   const std::vector<EGLDeviceEXT> devices = egl_devices();
-  // Real GPUs first, then the processor; zink, unasked, only where the environment leaves no other.
+  // Real GPUs first, then the processor; zink, without a request, only where the environment leaves no other.
   for (const GlChoice wanted : {GlChoice::hardware, GlChoice::software, GlChoice::zink}) {
     if (choice != GlChoice::automatic && choice != wanted) continue;
     for (std::size_t i = 0; i < devices.size(); ++i)
@@ -138,10 +139,6 @@ GlContext::~GlContext() {
   destroy();
 }
 
-namespace {
-bool has_process_context = false;
-}  // namespace
-
 GlContext& process_context() {
   // Not destroyed: at exit the driver's own clean-up may already have run.
   static GlContext* const context = [] {
@@ -154,7 +151,7 @@ GlContext& process_context() {
 }  // namespace gnomon
 
 #if defined(__SANITIZE_ADDRESS__)
-// Asked by the leak checker before it stops all threads: those of a driver end at the same time, and take it down. So a process
-// that has drawn is not asked for leaks.
+// Called by the leak checker before it stops all threads: those of a driver end at the same time, and take it down. So a
+// process that has drawn is not checked for leaks.
 extern "C" int __lsan_is_turned_off() { return gnomon::has_process_context; }
 #endif

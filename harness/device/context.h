@@ -11,8 +11,8 @@ enum class GlChoice { automatic, software, hardware, zink };
 /// The choice of the environment variable GNOMON_GL (auto, software, hardware, zink); automatic when it is not set. Throws
 /// Error.
 GlChoice gl_choice_from_environment();
-/// The driver that a renderer's name, as GL_RENDERER has it, stands for: software, hardware or zink, which over a real GPU's
-/// Vulkan is hardware.
+/// The driver behind a renderer's name, the text of GL_RENDERER: software, hardware or zink, which over a real GPU's Vulkan is
+/// hardware.
 GlChoice driver_of(std::string_view renderer);
 
 /// What drew, for every table.

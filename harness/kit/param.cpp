@@ -35,8 +35,8 @@ template <class T>
 void Number<T>::set(std::string_view value) {
   T parsed{};
   const auto [end, code] = std::from_chars(value.data(), value.data() + value.size(), parsed);
-  if (code != std::errc{} || end != value.data() + value.size()) refuse(value);
-  if (!(parsed >= range_.min && parsed <= range_.max)) refuse(value);
+  const bool is_number = code == std::errc{} && end == value.data() + value.size();
+  if (!is_number || !(parsed >= range_.min && parsed <= range_.max)) refuse(value);
   value_ = parsed;
 }
 template class Number<int>;

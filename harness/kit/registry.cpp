@@ -11,9 +11,9 @@ namespace {
 std::string source(const std::string& origin) { return origin.empty() ? "that is built in" : fmt::format("of {}", origin); }
 
 template <class Entry>
-void insert(std::vector<Entry>& entries, Entry entry, std::string_view what) {
-  const auto place = std::lower_bound(entries.begin(), entries.end(), entry.id,
-                                      [](const Entry& e, const std::string& id) { return e.id < id; });
+void insert(std::vector<Entry>& entries, Entry entry, const std::string& origin, std::string_view what) {
+  if (entry.origin.empty()) entry.origin = origin;
+  const auto place = std::ranges::lower_bound(entries, entry.id, {}, &Entry::id);
   if (place != entries.end() && place->id == entry.id)
     throw Error("{} {} {} is there already: {}", what, entry.id, source(entry.origin), source(place->origin));
   entries.insert(place, std::move(entry));
@@ -21,7 +21,7 @@ void insert(std::vector<Entry>& entries, Entry entry, std::string_view what) {
 
 template <class Entry>
 const Entry* find(const std::vector<Entry>& entries, std::string_view id) {
-  const auto found = std::find_if(entries.begin(), entries.end(), [&](const Entry& e) { return e.id == id; });
+  const auto found = std::ranges::find(entries, id, &Entry::id);
   return found == entries.end() ? nullptr : &*found;
 }
 
@@ -60,14 +60,8 @@ std::vector<float> Technique::draw_debug(std::string_view layer) const {
   throw Error("{} has no debug layer {}; it has: {}", id(), layer, joined(layers, ", "));
 }
 
-void Registry::add(TechniqueEntry entry) {
-  if (entry.origin.empty()) entry.origin = origin_;
-  insert(techniques_, std::move(entry), "technique");
-}
-void Registry::add(SceneEntry entry) {
-  if (entry.origin.empty()) entry.origin = origin_;
-  insert(scenes_, std::move(entry), "scene");
-}
+void Registry::add(TechniqueEntry entry) { insert(techniques_, std::move(entry), origin_, "technique"); }
+void Registry::add(SceneEntry entry) { insert(scenes_, std::move(entry), origin_, "scene"); }
 
 const TechniqueEntry& Registry::technique(std::string_view id) const {
   if (const TechniqueEntry* entry = find_technique(id)) return *entry;

@@ -59,9 +59,7 @@ Bounds Scene::bounds() const {
   return bounds;
 }
 
-bool Scene::has_curved_shapes() const {
-  return std::any_of(meshes.begin(), meshes.end(), [](const Mesh& mesh) { return mesh.has_curved_shape(); });
-}
+bool Scene::has_curved_shapes() const { return std::ranges::any_of(meshes, &Mesh::has_curved_shape); }
 
 double extent(const Scene& scene, const Light& light, const View& view) {
   const glm::dvec4 l = homogeneous_of_center(light);
@@ -76,8 +74,7 @@ double extent(const Scene& scene, const Light& light, const View& view) {
 // Open addressing.
 std::vector<std::uint32_t> weld(std::span<const glm::vec3> positions, std::span<const std::uint8_t> wanted) {
   constexpr std::uint32_t empty = 0xffffffffu;
-  std::vector<std::uint32_t> first(positions.size());
-  std::vector<std::uint32_t> table(std::bit_ceil(2 * positions.size() + 1), empty);
+  std::vector<std::uint32_t> first(positions.size()), table(std::bit_ceil(2 * positions.size() + 1), empty);
   for (std::uint32_t v = 0; v < positions.size(); ++v) {
     first[v] = v;
     if (!wanted.empty() && !wanted[v]) continue;
@@ -87,14 +84,10 @@ std::vector<std::uint32_t> weld(std::span<const glm::vec3> positions, std::span<
     hash *= 0xbf58476d1ce4e5b9ull;
     hash ^= hash >> 32;
     for (std::size_t place = hash & (table.size() - 1);; place = (place + 1) & (table.size() - 1)) {
-      if (table[place] == empty) {
-        table[place] = v;
-        break;
-      }
-      if (positions[table[place]] == positions[v]) {
-        first[v] = table[place];
-        break;
-      }
+      if (table[place] == empty) table[place] = v;
+      if (table[place] != v && positions[table[place]] != positions[v]) continue;
+      first[v] = table[place];
+      break;
     }
   }
   return first;

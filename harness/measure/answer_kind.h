@@ -4,7 +4,7 @@
 
 namespace gnomon {
 
-/// What is asked at every pixel.
+/// The question at every pixel.
 enum class AnswerKind {
   binary,    ///< whether the light arrives
   fraction,  ///< what part of the light arrives

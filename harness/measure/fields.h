@@ -8,8 +8,6 @@
 #include <limits>
 #include <map>
 #include <optional>
-#include <string>
-#include <string_view>
 #include <type_traits>
 #include <utility>
 #include <vector>
@@ -22,9 +20,9 @@ namespace gnomon {
 
 // One codec between structs and JSON objects, of records as of what passes between a program and its workers. A struct has a
 //
-//   void for_each_field(MaybeConst<Struct> auto& object, const auto& use) { use("key", object.member); ... }
+//   void for_each_field(MaybeConst<Struct> auto& object, const auto& use) { use("key", object.member, "other", object.other); }
 //
-// in namespace gnomon, which names its fields in their order, for writing and for reading. An enum is written as name() says
+// in namespace gnomon, which names its fields in their order, for writing and for reading. An enum is written as name() spells
 // it.
 
 template <class T, class Of>
@@ -33,11 +31,19 @@ concept MaybeConst = std::is_same_v<std::remove_const_t<T>, Of>;
 /// What reading does about a field that is absent or null: it keeps its default, or is an Error unless it is an optional.
 enum class MissingField { kept, refused };
 
-inline void for_each_field(MaybeConst<Count> auto& count, const auto& use) {
-  use("name", count.name);
-  use("value", count.value);
-  use("unit", count.unit);
-}
+/// What for_each_field calls: it passes each key with its member to `each`.
+template <class Each>
+struct UseFields {
+  Each each;
+  void operator()(const char* key, auto& member, auto&... others) const {
+    each(key, member);
+    if constexpr (sizeof...(others) > 0) (*this)(others...);
+  }
+};
+template <class Each>
+UseFields(Each) -> UseFields<Each>;
+
+void for_each_field(MaybeConst<Count> auto& r, const auto& use) { use("name", r.name, "value", r.value, "unit", r.unit); }
 
 template <class T>
 constexpr bool is_vector = false;
@@ -50,18 +56,12 @@ template <class T>
 constexpr bool is_by_stage<std::array<T, std::size(stage_names)>> = true;
 using Color8 = std::array<std::uint8_t, 3>;
 
-template <class Enum>
-constexpr int enum_size = -1;  // of one that was not told below; nothing can be read then
-template <>
-inline constexpr int enum_size<AnswerKind> = std::size(answer_kind_names);
-template <>
-inline constexpr int enum_size<Support::Kind> = 3;
-template <>
-inline constexpr int enum_size<Truth> = 2;
-template <>
-inline constexpr int enum_size<LightShareKind> = 2;
-template <>
-inline constexpr int enum_size<Stage> = std::size(stage_names);
+// The number of enumerators of each enum that can be read.
+constexpr int enumerator_count(AnswerKind) { return std::size(answer_kind_names); }
+constexpr int enumerator_count(Support::Kind) { return 3; }
+constexpr int enumerator_count(Truth) { return 2; }
+constexpr int enumerator_count(LightShareKind) { return 2; }
+constexpr int enumerator_count(Stage) { return std::size(stage_names); }
 
 template <class T>
 Json written(const T& value) {
@@ -86,23 +86,40 @@ Json written(const T& value) {
     return object;
   } else if constexpr (requires { for_each_field(value, [](const char*, const auto&) {}); }) {
     Json object = Json::object();
-    for_each_field(value, [&](const char* key, const auto& member) { object[key] = written(member); });
+    for_each_field(value, UseFields{[&](const char* key, const auto& member) { object[key] = written(member); }});
     return object;
   } else {
     return value;
   }
 }
 
-/// Throws Error that names the field and says what it may be.
 template <class T>
-void read(const std::string& field, const Json& value, T& into, MissingField missing = MissingField::kept) {
+void read(const std::string& field, const Json& value, T& into, MissingField missing = MissingField::kept);
+
+/// The members of `for_each_field` from those of an object.
+template <class T>
+void read_members(const std::string& field, const Json& object, T& into, MissingField missing) {
+  if constexpr (std::is_same_v<T, Count>) into.value = std::numeric_limits<double>::quiet_NaN();
+  const auto read_member = [&](const char* key, auto& member) {
+    const std::string inner = fmt::format("{}.{}", field, key);
+    if (const auto found = object.find(key); found != object.end() && !found->is_null())
+      read(inner, *found, member, missing);
+    else if (missing == MissingField::refused && !requires { member.has_value(); })
+      throw Error("{} is missing", inner);
+  };
+  for_each_field(into, UseFields{read_member});
+}
+
+/// Throws Error with the field, its value and what is allowed.
+template <class T>
+void read(const std::string& field, const Json& value, T& into, MissingField missing) {
   const auto need = [&](bool is_good, std::string_view allowed) {
     if (!is_good) throw Error("{} = {} is not {}", field, json_text(value), allowed);
   };
   if constexpr (std::is_same_v<T, std::string>) {
     need(value.is_string(), "text");
     into = value.get<std::string>();
-    // What people see of a record does nothing to their terminal; messages are taken to the letter.
+    // Texts of records are shown in a terminal, where they may do nothing else; messages are taken to the letter.
     if (missing == MissingField::kept && has_control_characters(into)) into = printable(into);
   } else if constexpr (std::is_same_v<T, double>) {
     need(value.is_number(), "a number");
@@ -116,13 +133,11 @@ void read(const std::string& field, const Json& value, T& into, MissingField mis
     need(std::in_range<T>(value.get<std::uint64_t>()), fmt::format("{} at most", std::numeric_limits<T>::max()));
     into = value.get<T>();
   } else if constexpr (std::is_enum_v<T>) {
-    static_assert(enum_size<T> > 0, "tell its size above");
     std::vector<std::string> words;
-    for (int k = 0; k < enum_size<T>; ++k) {
-      words.emplace_back(name(static_cast<T>(k)));
-      if (value == words.back()) return void(into = static_cast<T>(k));
-    }
-    need(false, "one of " + joined(words));
+    for (int k = 0; k < enumerator_count(T()); ++k) words.emplace_back(name(static_cast<T>(k)));
+    const auto found = std::ranges::find_if(words, [&](const std::string& word) { return value == word; });
+    if (found == words.end()) need(false, "one of " + joined(words));
+    into = static_cast<T>(found - words.begin());
   } else if constexpr (std::is_same_v<T, Json>) {
     need(value.is_object(), "an object");
     into = value;
@@ -148,25 +163,17 @@ void read(const std::string& field, const Json& value, T& into, MissingField mis
     for (std::size_t stage = 0; stage < into.size(); ++stage) into[stage] = by_name[std::string(stage_names[stage])];
   } else if constexpr (requires { requires std::is_enum_v<typename T::key_type>; }) {
     need(value.is_object(), "an object");
-    for (int k = 0; k < enum_size<typename T::key_type>; ++k) {  // other names are passed over
+    for (int k = 0; k < enumerator_count(typename T::key_type()); ++k) {  // other names are passed over
       const auto key = static_cast<typename T::key_type>(k);
       if (const auto found = value.find(name(key)); found != value.end())
         read(fmt::format("{}.{}", field, name(key)), *found, into[key], missing);
     }
+  } else if constexpr (requires { typename T::mapped_type; }) {
+    need(value.is_object(), "an object");
+    for (const auto& [key, item] : value.items()) read(field + "." + key, item, into[key], missing);
   } else {
     need(value.is_object(), "an object");
-    if constexpr (requires { typename T::mapped_type; }) {
-      for (const auto& [key, item] : value.items()) read(field + "." + key, item, into[key], missing);
-    } else {
-      if constexpr (std::is_same_v<T, Count>) into.value = std::numeric_limits<double>::quiet_NaN();
-      for_each_field(into, [&](const char* key, auto& member) {
-        const std::string inner = fmt::format("{}.{}", field, key);
-        if (const auto found = value.find(key); found != value.end() && !found->is_null())
-          read(inner, *found, member, missing);
-        else if (missing == MissingField::refused && !requires { member.has_value(); })
-          throw Error("{} is missing", inner);
-      });
-    }
+    read_members(field, value, into, missing);
   }
 }
 

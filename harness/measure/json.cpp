@@ -67,13 +67,10 @@ struct Without {
     return true;
   }
   bool start(Json::value_t type) {
-    Json* const at = place();
-    if (at) {
-      *at = Json(type);
-      open_.push_back(at);
-    } else {
+    if (Json* const at = place())
+      open_.push_back(&(*at = Json(type)));
+    else
       ++left_out_;
-    }
     return true;
   }
   bool end() {

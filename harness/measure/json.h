@@ -1,5 +1,5 @@
 #pragma once
-// JSON for everybody. nlohmann/json.hpp is included here alone, without its literals: they make each file that includes it
+// JSON for all files. nlohmann/json.hpp is included here alone, without its literals: they make each file that includes it
 // compile the whole parser, 0.4 s of processor time, whether it uses them or not.
 #include <initializer_list>
 #include <string>
@@ -24,12 +24,12 @@ std::string json_text(const Json& json, int indent = -1);
 std::string plain_text(const Json& json);
 /// Throws Json::exception, also where brackets nest deeper than any of ours do: values are copied value within value.
 Json parse_json(const std::string& text);
-/// The same without what stands under a key, wherever it does.
+/// The same without the members of this key, at any depth.
 Json parse_json(const std::string& text, std::string_view unwanted_key);
 /// The same, but what is no JSON is discarded: see Json::is_discarded.
 Json parse_if_json(std::string_view text);
 
-/// What is wrong, without the library's own numbers.
+/// The problem in words, without the library's own numbers.
 std::string complaint(const Json::exception& problem);
 
 struct JsonField {

@@ -28,13 +28,13 @@ namespace {
 // Descriptors of a keeper; 0 to 2 lead nowhere.
 constexpr int words_in = 3, words_file = 4, signals_in = 5, first_other = 6;
 
-char words[2 * most_last_words];  // the end of what was said
+char words[2 * most_last_words];  // the end of the standard error
 std::size_t word_count = 0;
 
-/// The program's memory is the program's: a keeper that held on to it would cost as much again when that is written to.
+/// Gives back the program's memory: a keeper that kept its copy would cost as much again when the program writes to its own.
 void forget_memory() {
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-  return;  // they look into theirs at every call
+  return;  // sanitizers use theirs at every call
 #endif
   const int maps = open("/proc/self/maps", O_RDONLY);
   if (maps < 0) return;
@@ -70,7 +70,7 @@ void forget_memory() {
   close(maps);
 }
 
-/// Reads what was said since; false at its end.
+/// Reads the words since the last call; false at their end.
 bool listen() {
   const ssize_t count = read(words_in, words + word_count, sizeof words - word_count);
   if (count <= 0) return count < 0 && (errno == EAGAIN || errno == EINTR);
@@ -90,14 +90,9 @@ void keep_words() {
 
 /// Kills the children until there are none: those of a child that is gone become children.
 void end_children() {
-  char name[64] = "/proc/self/task/", digits[24];
-  std::size_t at = strlen(name), count = 0;
-  for (long number = getpid(); number > 0; number /= 10) digits[count++] = static_cast<char>('0' + number % 10);
-  while (count > 0) name[at++] = digits[--count];
-  memcpy(name + at, "/children", sizeof "/children");
   for (;;) {
     static char list[1 << 16];
-    const int file = open(name, O_RDONLY);
+    const int file = open("/proc/thread-self/children", O_RDONLY);  // a keeper has one thread
     const ssize_t size = file < 0 ? -1 : read(file, list, sizeof list);
     if (file >= 0) close(file);
     long number = 0;
@@ -131,7 +126,7 @@ void end_as(int status) {
   _exit(WIFEXITED(status) ? WEXITSTATUS(status) : 0);
 }
 
-/// Waits for the end of the process, or for the word to end it.
+/// Waits for the end of the process, or for the signal to end it.
 void keep(pid_t process) {
   forget_memory();
   bool is_heard = true;
@@ -148,7 +143,7 @@ void keep(pid_t process) {
   }
 }
 
-// Of the program: who keeps its workers now.
+// Of the program: the present keepers of its workers.
 std::mutex of_keepers;
 std::set<pid_t> keepers;
 bool ends_orphans = false;
@@ -197,9 +192,7 @@ pid_t fork_kept(const std::function<void()>& body, int last_words) {
     pthread_sigmask(SIG_SETMASK, &before, nullptr);
     if (keeper > 0) keepers.insert(keeper);
     lock.unlock();
-    close(pipe_ends[0]);
-    close(pipe_ends[1]);
-    close(nothing);
+    for (const int descriptor : {pipe_ends[0], pipe_ends[1], nothing}) close(descriptor);
     return keeper;
   }
   setsid();
@@ -217,12 +210,11 @@ pid_t fork_kept(const std::function<void()>& body, int last_words) {
     body();
     _exit(126);
   }
-  // The lowest numbers are free of what is wanted once all of it lies above them.
-  const int in = fcntl(pipe_ends[0], F_DUPFD, first_other),
-            file = fcntl(last_words >= 0 ? last_words : nothing, F_DUPFD, first_other);
-  const int signals = signalfd(-1, &told, SFD_NONBLOCK), high = fcntl(signals, F_DUPFD, first_other),
-            dark = fcntl(nothing, F_DUPFD, first_other);
-  if (in < 0 || file < 0 || high < 0 || dark < 0) {  // too few may be open: what lies at the low numbers is not ours
+  // Once all needed descriptors are above the lowest numbers, those are free.
+  const auto above = [](int descriptor) { return fcntl(descriptor, F_DUPFD, first_other); };
+  const int in = above(pipe_ends[0]), file = above(last_words >= 0 ? last_words : nothing);
+  const int high = above(signalfd(-1, &told, SFD_NONBLOCK)), dark = above(nothing);
+  if (in < 0 || file < 0 || high < 0 || dark < 0) {  // too few may be open: the low numbers are not ours
     kill(process, SIGKILL);
     constexpr char why[] = "too many files are open to keep a process";
     _exit(last_words >= 0 && pwrite(last_words, why, sizeof why - 1, 0) < 0 ? 124 : 125);

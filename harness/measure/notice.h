@@ -8,14 +8,14 @@
 
 namespace gnomon {
 
-/// Writes to standard error. What cannot be written is lost: a full disk below a log is no reason to stop what it tells about.
+/// Writes to standard error. What cannot be written is lost: a full disk below a log does not stop the work.
 template <class... Args>
 void print_notice(fmt::format_string<Args...> format, Args&&... args) {
   const std::string text = fmt::format(format, std::forward<Args>(args)...);
   std::fwrite(text.data(), 1, text.size(), stderr);
 }
 
-/// What went wrong, for people; memory that is not there has a name of its own in C++.
+/// The problem in words; a lack of memory has only the name of its type in C++.
 inline std::string message_of(const std::exception& problem) {
   return dynamic_cast<const std::bad_alloc*>(&problem) ? "not enough memory" : problem.what();
 }

@@ -17,7 +17,7 @@ namespace {
 
 constexpr const char* ending = ".part";
 
-/// What follows in the name after the prefix and the number of a process that is gone; nothing where the name is no such.
+/// The rest of the name after the prefix and the number of a process that is gone; nothing where the name has another form.
 std::optional<std::string> after_gone_process(const fs::path& file, const std::string& prefix) {
   const std::string name = file.filename().string();
   if (!name.starts_with(prefix)) return std::nullopt;
@@ -27,7 +27,7 @@ std::optional<std::string> after_gone_process(const fs::path& file, const std::s
   return is_gone ? std::optional(std::string(stop)) : std::nullopt;
 }
 
-/// Removes what `is_dead` says of the paths in the folder. What cannot be removed stays.
+/// Removes the paths in the folder for which `is_dead` is true. What cannot be removed stays.
 void remove_where(const fs::path& folder, const std::function<bool(const fs::path&)>& is_dead) {
   std::error_code code;
   for (fs::directory_iterator entry(folder, code); !code && entry != fs::directory_iterator(); entry.increment(code))

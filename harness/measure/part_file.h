@@ -4,19 +4,19 @@
 
 namespace gnomon {
 
-/// Where this process writes `path`, a file or a folder, until it is whole: a hidden name beside it that holds the number of
-/// the process. What processes that are gone have left there under the same name is removed first.
+/// Where this process writes `path`, a file or a folder, until it is whole: a hidden name beside it with the number of the
+/// process. What processes that are gone have left there under the same name is removed first.
 std::filesystem::path part_of(const std::filesystem::path& path);
 
-/// The file that writing to `path`, which somebody named, replaces: what a link leads to. Throws Error where that is there and
-/// no regular file: a device, a pipe or a folder is not replaced.
+/// The file that is replaced by writing to `path`, which a person named: what a link leads to. Throws Error where that exists
+/// and is no regular file: a device, a pipe or a folder is not replaced.
 std::filesystem::path replaced_file(const std::filesystem::path& path);
 
 /// Whether a regular file is there, and no link to one.
 bool is_plain_file(const std::filesystem::path& path);
 
-/// What is written to in a cache or the folder of a run: a link there is removed, never followed. Throws Error where something
-/// else than a regular file is there.
+/// Before writing in a cache or the folder of a run: a link there is removed, never followed. Throws Error where something else
+/// than a regular file is there.
 void make_way(const std::filesystem::path& path);
 
 /// Removes what processes that are gone were writing in this folder.

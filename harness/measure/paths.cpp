@@ -10,6 +10,11 @@ namespace gnomon {
 
 namespace fs = std::filesystem;
 
+/// Whether that is the data of an installed program, which other users share: nothing is written there.
+static bool is_installed(const fs::path& root) {
+  return root.filename() == "gnomon" && root.parent_path().filename() == "share";
+}
+
 void make_folder(const fs::path& folder, const std::string& what) {
   std::error_code code;
   fs::create_directories(folder, code);
@@ -41,13 +46,6 @@ fs::path find_data_root() {
     return {};
   }
 }
-
-namespace {
-
-/// Whether that is the data of an installed program: others use it, and whoever removes the program wants nothing left in it.
-bool is_installed(const fs::path& root) { return root.filename() == "gnomon" && root.parent_path().filename() == "share"; }
-
-}  // namespace
 
 bool is_of_another_user(const fs::path& folder) {
   struct stat facts {};

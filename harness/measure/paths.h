@@ -14,7 +14,7 @@ std::filesystem::path find_data_root();
 /// installed program, the user's cache folder. Fetched scenes lie in `scenes/ID/` below it.
 std::filesystem::path cache_root();
 
-/// Whether there is such a folder and it is another user's: what lies in it is read, nothing is written to it.
+/// Whether there is such a folder and it is another user's: its files are read, nothing is written to it.
 bool is_of_another_user(const std::filesystem::path& folder);
 
 /// The command that fetches scenes, as a person writes it: the tree's script, or what is installed beside the program.

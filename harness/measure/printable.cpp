@@ -5,7 +5,7 @@
 namespace gnomon {
 namespace {
 
-/// How many bytes of a control character stand at `at`; 0 for any other.
+/// How many bytes the control character at `at` has; 0 for any other.
 std::size_t control_size(std::string_view text, std::size_t at, bool on_one_line) {
   const auto byte = static_cast<unsigned char>(text[at]);
   if (byte == '\n' || byte == '\t') return on_one_line ? 1 : 0;

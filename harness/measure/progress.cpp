@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include "measure/notice.h"
 #include "measure/printable.h"
@@ -20,13 +19,9 @@ std::string duration_text(double seconds) {
   return fmt::format("{} h {} min", s / 3600, s % 3600 / 60);
 }
 
-namespace {
-
-std::string time_left(double share, std::chrono::steady_clock::time_point start) {
+static std::string time_left(double share, std::chrono::steady_clock::time_point start) {
   return share > 0.02 ? duration_text(seconds_since(start) / share * (1 - share)) + " left" : "";
 }
-
-}  // namespace
 
 Progress::Progress(bool quiet) : quiet_(quiet), terminal_(isatty(STDERR_FILENO)) {}
 Progress::~Progress() { clear(); }
@@ -76,10 +71,7 @@ void Progress::draw(bool force) {
   const std::string text = total_ > 0         ? line(std::min(1.0, done_ / total_), start_, part_ ? part_text() : what_)
                            : part_->share > 0 ? line(part_->share, part_->moving, part_->what)
                                               : part_->what + " ...";
-  if (!terminal_) {
-    print_notice("{}\n", text);
-    return;
-  }
+  if (!terminal_) return print_notice("{}\n", text);
   winsize window{};
   const int columns = ioctl(STDERR_FILENO, TIOCGWINSZ, &window) == 0 && window.ws_col > 20 ? window.ws_col : 80;
   print_notice("\r\033[K{}", text.substr(0, static_cast<std::size_t>(columns - 1)));

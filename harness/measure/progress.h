@@ -20,9 +20,9 @@ class Progress {
   void step(const std::string& what);
   /// Some units were done.
   void advance(double units);
-  /// A part of what is being done takes long by itself: what it is, and its share that is done, 0 where nobody knows. It stands
-  /// in the line for as long as this is called again and again; where nothing was expected, the bar is that of the part. It
-  /// is shown when it has taken longer than the pause between two lines.
+  /// A part of the work takes long by itself: what it is, and its share that is done, 0 where it is unknown. The line shows it
+  /// for as long as this is called again and again; where nothing was expected, the bar is that of the part. It is shown when
+  /// it has taken longer than the pause between two lines.
   void part(const std::string& what, double share);
   /// The part is through.
   void end_part();
@@ -39,7 +39,7 @@ class Progress {
 
   void draw(bool force);
   void clear();
-  /// A share that is done, how long the rest will take, and what it is of.
+  /// The share that is done, how long the rest will take, and what is done.
   std::string line(double share, Clock::time_point start, const std::string& what) const;
   std::string part_text() const;
 

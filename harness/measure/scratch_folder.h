@@ -5,16 +5,16 @@
 
 namespace gnomon {
 
-/// A folder for files that are of use for a while only: it is removed, with all that is in it, at the end of its owner's life.
+/// A folder for temporary files: it is removed, with all that is in it, at the end of its owner's life.
 class ScratchFolder {
  public:
-  /// A folder of this name, which is nobody else's; its parents are made too. These throw Error when there can be none.
+  /// A folder of this name, which nothing else uses; its parents are made too. These throw Error when there can be none.
   static ScratchFolder at(const std::filesystem::path& path);
   /// A fresh folder PREFIX-PROCESS.XXXXXX in `parent`, made with its parents. What killed processes left there is removed.
   static ScratchFolder in(const std::filesystem::path& parent, const std::string& prefix);
   /// A fresh folder in the folder for temporary files.
   static ScratchFolder temporary(const std::string& prefix);
-  /// The folder PREFIX-PROCESS of this process: in memory where that can be had, else in the folder for temporary files. What
+  /// The folder PREFIX-PROCESS of this process: in memory where that is possible, else in the folder for temporary files. What
   /// processes that were killed have left there under this prefix is removed first.
   static ScratchFolder in_memory(const std::string& prefix);
 

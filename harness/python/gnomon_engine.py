@@ -40,7 +40,7 @@ def _end(process):
 
 
 def start_display(patience=20):
-    """An X server of its own, without a screen that one sees: its name for DISPLAY, ":7". It ends with this process."""
+    """Starts an X server without a visible screen and returns its name for DISPLAY, ":7". It ends with this process."""
     reader, writer = os.pipe()
     command = ["Xvfb", "-displayfd", str(writer), "-screen", "0", "1920x1080x24", "-nolisten", "tcp", "-noreset"]
     server = subprocess.Popen(command, pass_fds=[writer], stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
@@ -77,7 +77,7 @@ class Child:
             self.process.stdin.write(json.dumps(request) + "\n")
             self.process.stdin.flush()
         except BrokenPipeError:
-            pass  # the end of its answers tells
+            pass  # the end of its answers shows it
         line = self.answers.readline()
         if not line.endswith("\n"):
             raise RuntimeError(f"{self.name} ended ({self.process.wait()}) when it was to answer {request['do']}")
@@ -94,7 +94,7 @@ class Child:
 
 
 class Awaited:
-    """A file that a renderer is to write: what lies there is removed, so that an answer given before is never taken for this one."""
+    """A file that a renderer is to write. An older one is removed, so that an earlier answer is never taken for this one."""
 
     def __init__(self, folder, name):
         self.path = Path(folder, name)
@@ -133,7 +133,7 @@ def require_version(name, found, wanted):
 
 
 def is_closed(corners):
-    """Whether each edge of triangles x 3 x 3, of corners told apart by their places, is passed once each way."""
+    """Whether each edge of triangles x 3 x 3, of corners distinguished by their places, is passed once each way."""
     place = np.unique(corners.reshape(-1, 3), axis=0, return_inverse=True)[1].reshape(-1, 3).astype(np.int64)
     start, end, many = place.ravel(), np.roll(place, -1, axis=1).ravel(), place.max(initial=0) + 1
     passed = np.sort(start * many + end)

@@ -23,11 +23,11 @@ NO_MESH = 0xFFFFFFFF  # of G-buffers: where the background is
 
 
 class Technique:
-    """What the testbed asks, in the order of a technique's life; each may be left out but `resolve`.
+    """What the testbed calls, in the order of a technique's life; each may be left out but `resolve`.
 
     `self.settings` holds the parameters by name (`self.settings.samples`), `self.counts` what was counted: {"rays": 12} or
     {"bytes": (1024, "byte")}; without it `bytes` are those of the arrays that the object keeps. `self.threads` is how many cores it may use.
-    `self.folder` is for files that go with the process; in `self.maker` may be said what makes the masks: "POV-Ray 3.7.0.10".
+    `self.folder` is for files that go with the process; `self.maker` may name what makes the masks: "POV-Ray 3.7.0.10".
     A stage takes what its method takes, or the milliseconds that the method leaves in `self.ms`, where another program did the work.
     """
 
@@ -46,11 +46,11 @@ class Technique:
         raise NotImplementedError
 
     def supports(self, scene, light, view):
-        """"full", ("approximate", why) or ("unsupported", why); asked where the description has answers = ["supports"]."""
+        """"full", ("approximate", why) or ("unsupported", why); called where the description has answers = ["supports"]."""
         return "full"
 
     def explain(self, pixels):
-        """For each pixel (row * width + column) None or a dictionary with the keys of an explanation; asked where the
+        """For each pixel (row * width + column) None or a dictionary with the keys of an explanation; called where the
         description has answers = ["explain"]."""
         return [None] * len(pixels)
 
@@ -129,7 +129,7 @@ def _counts(counts):
 
 
 def _held_bytes(value, seen):
-    """Of the arrays that an object keeps, each memory once; files that are looked at are not its own."""
+    """Of the arrays that an object keeps, each memory once; mapped files are not its own."""
     while isinstance(value, np.ndarray) and isinstance(value.base, np.ndarray):
         value = value.base
     if id(value) in seen or isinstance(value, (np.memmap, str, bytes)):
@@ -190,7 +190,7 @@ class _Server:
 
 
 def serve(make):
-    """Answers the testbed's questions with an object of `make`, a class that derives from Technique, until it asks no more."""
+    """Answers the testbed's requests with an object of `make`, a class that derives from Technique, until there are no more."""
     answers = os.fdopen(os.dup(1), "w", encoding="utf-8")
     os.dup2(2, 1)  # what a technique prints goes to standard error, not between the answers
     server = _Server(make)

@@ -25,7 +25,7 @@ struct Side {
 
 /// The shadow of a triangle that is not edge-on: all samples on the inner sides of three planes through the light and an edge,
 /// and beyond the triangle's own plane (the last). `facing` is orient3d_sign of the corners and the light; `reach` is more than
-/// the distance of any sample asked.
+/// the distance of any sample that is tested.
 struct Shadow {
   Side sides[4];
 };
@@ -33,8 +33,11 @@ struct Shadow {
 inline Shadow make_shadow(const LightSpaceFace& face, const glm::dvec4& light, const glm::vec3* points, int facing,
                           double reach) {
   Shadow shadow;
-  const auto side = [](const glm::dvec3& n, double offset, double error) { return Side{n.x, n.y, n.z, offset + error, error}; };
-  const auto turned = [&](const glm::dvec3& v) { return face.turned(v); };
+  // Of the plane through a point whose inner side is that of `inward` times -facing.
+  const auto side = [&](const glm::dvec3& inward, const glm::dvec3& through, double error) {
+    const glm::dvec3 n = -static_cast<double>(facing) * inward;
+    return Side{n.x, n.y, n.z, error - glm::dot(n, through), error};
+  };
   glm::dvec3 corner[3];
   double length[3];
   for (int k = 0; k < 3; ++k) {
@@ -42,29 +45,26 @@ inline Shadow make_shadow(const LightSpaceFace& face, const glm::dvec4& light, c
     length[k] = norm1(corner[k]);
   }
   const glm::dvec3 a(points[0]), b(points[1]), c(points[2]);
-  const glm::dvec3 edges[3] = {turned(b - a), turned(c - b), turned(a - c)};
+  const glm::dvec3 edges[3] = {face.turned(b - a), face.turned(c - b), face.turned(a - c)};
   if (!face.is_perspective) {
     // P = a + i (b - a) + j (c - a) - t l is in shadow when i, j, 1 - i - j >= 0 and t > 0, and
     // ((b - a) x l) . (P - a) = -j ((b - a) x (c - a)) . l.
-    const glm::dvec3 l = turned(glm::dvec3(light));
-    for (int k = 0; k < 3; ++k) {
-      const glm::dvec3 normal = -static_cast<double>(facing) * glm::cross(edges[k], l);
+    const glm::dvec3 l = face.turned(glm::dvec3(light));
+    for (int k = 0; k < 3; ++k)
       shadow.sides[k] =
-          side(normal, -glm::dot(normal, corner[k]), plane_error * norm1(edges[k]) * norm1(l) * (reach + length[k]));
-    }
+          side(glm::cross(edges[k], l), corner[k], plane_error * norm1(edges[k]) * norm1(l) * (reach + length[k]));
   } else {
     // P = i a + j b + k c, seen from the light, is in shadow when i, j, k >= 0 and i + j + k > 1, and [a b P] = k [a b c].
     // orient3d of a, b, c and the origin is -[a b c].
     for (int k = 0; k < 3; ++k) {
       const int next = (k + 1) % 3;
-      const glm::dvec3 normal = -static_cast<double>(facing) * glm::cross(corner[k], corner[next]);
-      shadow.sides[k] = side(normal, 0, plane_error * length[k] * length[next] * reach);
+      shadow.sides[k] =
+          side(glm::cross(corner[k], corner[next]), glm::dvec3(0), plane_error * length[k] * length[next] * reach);
     }
   }
   // The shadow is on the other side of the triangle than the light.
-  const glm::dvec3 normal = -static_cast<double>(facing) * glm::cross(edges[2], edges[0]);
   shadow.sides[3] =
-      side(normal, -glm::dot(normal, corner[0]), plane_error * norm1(edges[0]) * norm1(edges[2]) * (reach + length[0]));
+      side(glm::cross(edges[2], edges[0]), corner[0], plane_error * norm1(edges[0]) * norm1(edges[2]) * (reach + length[0]));
   return shadow;
 }
 
@@ -73,8 +73,8 @@ struct Run {
   std::uint32_t begin, end;
 };
 
-/// The samples of a tile that a shadow may hold, as runs: of each row of cells, those between the ends of the footprint and of
-/// the shadow's sides, both grown by rounding. Returns how many runs.
+/// The samples of a tile that a shadow may contain, as runs: of each row of cells, those between the ends of the footprint and
+/// of the shadow's sides, both grown by rounding. Returns how many runs.
 inline int find_runs(const Grid::Face& face, const Tile& tile, int cells, const std::uint32_t* begins,
                      const Footprint& footprint, const Shadow& shadow, bool is_parallel, Run* runs) {
   const int c0 = std::max(face.column(footprint.x0) - tile.column, 0);
@@ -95,8 +95,8 @@ inline int find_runs(const Grid::Face& face, const Tile& tile, int cells, const 
   for (int r = r0; r <= r1; ++r) {
     int from = c0, to = c1;
     if (cuts) {
-      const double margin = 0x1p-20 * face.row_height + face.rounding;
-      const double low = face.y0 + (tile.row + r) * face.row_height - margin, high = low + face.row_height + 2 * margin;
+      const double margin = 0x1p-20 * face.cell_size.y + face.rounding;
+      const double low = face.low.y + (tile.row + r) * face.cell_size.y - margin, high = low + face.cell_size.y + 2 * margin;
       double x0 = footprint.x0, x1 = footprint.x1;
       bool misses = false;
       for (int k = 0; k < 3; ++k) {
@@ -108,7 +108,7 @@ inline int find_runs(const Grid::Face& face, const Tile& tile, int cells, const 
         if (side.x < 0) x1 = std::min(x1, x);
       }
       if (misses) continue;
-      const double beside = 0x1p-20 * face.column_width + face.rounding;
+      const double beside = 0x1p-20 * face.cell_size.x + face.rounding;
       if (x0 - beside > x1 + beside) continue;
       from = std::max(from, face.column(x0 - beside) - tile.column);
       to = std::min(to, face.column(x1 + beside) - tile.column);

@@ -85,19 +85,14 @@ class VolumeMaker {
   void add_side(std::span<const Corner> part, std::int8_t side) {
     if (!plane_) return add_volume(part, side, light_, nullptr, false);
     for (const ClipPlane& far : {*plane_, -*plane_}) {
-      double high = -INFINITY, low = INFINITY;
-      for (const glm::dvec3& corner : light_.corners) {
-        high = std::max(high, far.at(corner));
-        low = std::min(low, far.at(corner));
-      }
+      const auto [low, high] = values_of(light_.corners, far);
       if (low >= -epsilon_) continue;  // no light beyond the polygon, as seen from this side
       if (high <= epsilon_ || !light_.is_flat) {
         add_volume(part, side, light_, &far, high < -epsilon_);
         continue;
       }
       Clipper clipper;
-      clipper.start();
-      for (const glm::dvec3& corner : light_.corners) clipper.add({corner});
+      clipper.start(light_.corners);
       clipper.keep_positive(-far, epsilon_);
       LightBody behind = light_;
       behind.set_corners(clipper.corners());
@@ -124,7 +119,7 @@ class VolumeMaker {
       volume.umbra_count = static_cast<std::uint8_t>(planes.size() - end);
     else
       planes.resize(end);
-    // The polygon's own plane stays: what touches it is told by exact signs.
+    // The polygon's own plane stays: exact signs decide what touches it.
     for (std::size_t k = volume.first + (far ? 1 : 0); k < end; ++k) planes[k].offset += rounding * epsilon_;
     for (std::size_t k = end + 1; k < planes.size(); ++k) planes[k].offset -= rounding * epsilon_;
     volumes.push_back(volume);
@@ -140,11 +135,12 @@ class VolumeMaker {
 
 }  // namespace
 
-std::vector<CasterPolygon> caster_polygons(const Scene& scene, const TriangleNumbers& numbers) {
-  std::vector<CasterPolygon> polygons;
-  for (std::uint32_t m = 0; m < scene.meshes.size(); ++m)
-    if (scene.meshes[m].casts) add_polygons(scene.meshes[m], m, numbers.first_of(m), polygons);
-  return polygons;
+Casters::Casters(const Scene& of) : scene(&of), bounds(of.bounds()), numbers(of) {
+  for (std::uint32_t m = 0; m < of.meshes.size(); ++m)
+    if (of.meshes[m].casts) add_polygons(of.meshes[m], m, numbers.first_of(m), polygons);
+  std::vector<Bounds> all;
+  for (const CasterPolygon& polygon : polygons) all.push_back(polygon.bounds());
+  boxes = BoxTree(all);
 }
 
 void Volumes::make(std::span<const CasterPolygon> polygons, const LightBody& light, double epsilon) {

@@ -20,8 +20,18 @@ struct CasterPolygon {
   }
 };
 
-/// All that casts in a scene, without triangles of zero area.
-std::vector<CasterPolygon> caster_polygons(const Scene& scene, const TriangleNumbers& numbers);
+/// All that casts in a scene, without triangles of zero area. The scene must outlive it.
+struct Casters {
+  const Scene* scene = nullptr;
+  Bounds bounds;  ///< of the scene
+  TriangleNumbers numbers;
+  std::vector<CasterPolygon> polygons;
+  BoxTree boxes;  ///< of the polygons
+
+  Casters() = default;
+  explicit Casters(const Scene& scene);
+  std::size_t bytes() const { return bytes_of(polygons) + numbers.bytes() + boxes.bytes(); }
+};
 
 /// The umbra and penumbra volumes of all casters for one light, with boxes over them.
 class Volumes {

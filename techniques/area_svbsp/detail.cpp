@@ -1,7 +1,5 @@
 #include "detail.h"
 
-#include <gnomon/kit/parallel.h>
-
 #include <algorithm>
 #include <cmath>
 
@@ -35,9 +33,8 @@ class Collector {
     const auto made = std::span(detail_.polygons).subspan(first_);
     if (made.size() < 2) return;
     const DetailPolygon one = made[0];
-    if (!std::ranges::all_of(
-            made, [&](const DetailPolygon& p) { return p.is_lit == one.is_lit && p.is_penumbra == one.is_penumbra; }))
-      return;
+    const auto differs = [&](const DetailPolygon& p) { return p.is_lit != one.is_lit || p.is_penumbra != one.is_penumbra; };
+    if (std::ranges::any_of(made, differs)) return;
     detail_.corners.resize(first_corner_);
     detail_.polygons.resize(first_);
     add(whole, one.is_lit ? lit_cell : one.is_penumbra ? penumbra_cell(0) : umbra_cell);
@@ -52,7 +49,7 @@ class Collector {
 /// Takes a polygon to the cells of a tree.
 void filter(const Tree& tree, Link link, std::vector<Corner> polygon, double epsilon, Collector& collector) {
   std::vector<double> values;
-  for (; link >= 0;) {
+  while (link >= 0) {
     const Node& node = tree.nodes[link];
     values.resize(polygon.size());
     const Lies lies = classify(polygon, node.plane, epsilon, values.data());
@@ -72,25 +69,20 @@ void filter(const Tree& tree, Link link, std::vector<Corner> polygon, double eps
 
 /// The tree of a part of a triangle that counts.
 const Tree* tree_of(const Trees& trees, std::uint32_t triangle, std::int8_t light_side) {
-  for (const std::int8_t side : {std::int8_t{1}, std::int8_t{-1}})
-    if (const std::uint32_t number = trees.find({triangle, side, light_side}); number != Trees::none)
-      return &trees.tree(number);
-  return nullptr;
+  const Tree* const front = trees.find({triangle, 1, light_side});
+  return front ? front : trees.find({triangle, -1, light_side});
 }
 
 void divide(const Trees& trees, const LightBody& light, std::uint32_t number, const Triangle& triangle, double epsilon,
             Collector& collector) {
-  Corner whole[3];
-  for (int k = 0; k < 3; ++k) whole[k] = {glm::dvec3(triangle.points[k])};
+  const std::array whole = corners_of(triangle);
   const std::optional<ClipPlane> plane = plane_of(whole);
   if (!plane || lies_of(light, *plane, epsilon) == Lies::within) return;  // edge-on
   for (const int light_side : {1, -1}) {
     if (!light.is_flat && light_side < 0) continue;
-    const ClipPlane before = light_side > 0 ? light.plane : -light.plane;
-    if (light.is_flat && std::ranges::none_of(whole, [&](const Corner& c) { return before.at(c.at) > epsilon; })) continue;
+    if (light.is_flat && values_of(whole, light.plane_toward(light_side)).high <= epsilon) continue;
     std::vector<Corner> part = part_of(triangle, light, light_side, epsilon);
-    const Tree* const tree = tree_of(trees, number, static_cast<std::int8_t>(light.is_flat ? light_side : 0));
-    if (tree)
+    if (const Tree* const tree = tree_of(trees, number, static_cast<std::int8_t>(light.is_flat ? light_side : 0)))
       filter(*tree, tree->root, std::move(part), epsilon, collector);
     else
       collector.add(part, light.is_one_sided && light_side < 0 ? lit_cell : penumbra_cell(0));
@@ -119,14 +111,14 @@ double interpolated(std::span<const ShadedCorner> corners, const glm::dvec3& poi
   return std::clamp(best, 0.0, 1.0);
 }
 
-SurfaceDetail divide_triangles(const Scene& scene, const TriangleNumbers& numbers, const Trees& trees, const LightBody& light,
-                               double epsilon) {
+SurfaceDetail divide_triangles(const Casters& casters, const Trees& trees, const LightBody& light, double epsilon) {
+  const Scene& scene = *casters.scene;
   SurfaceDetail all;
   for (std::uint32_t m = 0; m < scene.meshes.size(); ++m) {
     if (!scene.meshes[m].receives) continue;
     for (std::uint32_t t = 0; t < scene.meshes[m].triangles.size(); ++t) {
       Collector collector(m, t, all);
-      divide(trees, light, numbers.first_of(m) + t, scene.meshes[m].corners(t), epsilon, collector);
+      divide(trees, light, casters.numbers.first_of(m) + t, scene.meshes[m].corners(t), epsilon, collector);
     }
   }
   return all;

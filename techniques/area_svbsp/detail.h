@@ -12,7 +12,6 @@ double interpolated(std::span<const ShadedCorner> corners, const glm::dvec3& poi
 /// The fragments of all receiving triangles, of the side that is turned to the light; where both are, of the one where it runs
 /// counter-clockwise. Triangles whose fragments are all of one kind are left whole, those without a tree are penumbra. What is
 /// behind a one-sided light is lit, as it is in masks.
-SurfaceDetail divide_triangles(const Scene& scene, const TriangleNumbers& numbers, const Trees& trees, const LightBody& light,
-                               double epsilon);
+SurfaceDetail divide_triangles(const Casters& casters, const Trees& trees, const LightBody& light, double epsilon);
 
 }  // namespace gnomon::area_svbsp

@@ -40,8 +40,8 @@ Span longest_span(std::span<const Corner> polygon) {
 }  // namespace
 
 double seen_past(std::span<const CasterPolygon> casters, std::span<const std::uint32_t> polygons, const glm::dvec3& point,
-                 const LightFigure& face, VisibleArea& area) {
-  area.start(face);
+                 const LightFigure& figure, VisibleArea& area) {
+  area.start(figure);
   for (const std::uint32_t number : polygons) area.add(casters[number], point);
   return area.share();
 }
@@ -61,11 +61,8 @@ Link Divider::divide(const Fragment& fragment) {
   const std::size_t corner_count = corners_.size(), list_size = lists_.size();
   Fragment filtered = fragment;
   std::size_t crossing_count = 0;
-  Link link = umbra_cell;
-  if (filter(filtered, crossing_count))
-    ++work_->umbra;
-  else
-    link = divide_filtered(filtered, crossing_count);
+  const bool is_umbra = filter(filtered, crossing_count);
+  const Link link = is_umbra ? counted(&Work::umbra, umbra_cell) : divide_filtered(filtered, crossing_count);
   corners_.resize(corner_count);
   lists_.resize(list_size);
   return link;
@@ -73,7 +70,7 @@ Link Divider::divide(const Fragment& fragment) {
 
 bool Divider::filter(Fragment& fragment, std::size_t& crossing_count) {
   const Volumes& all = *lighting_.volumes;
-  const List old = fragment.list;
+  const Slice old = fragment.list;
   fragment.list = {lists_.size(), 0};
   work_->tests += old.count;
   int crossing = 0;
@@ -95,10 +92,7 @@ bool Divider::filter(Fragment& fragment, std::size_t& crossing_count) {
 }
 
 Link Divider::divide_filtered(Fragment& fragment, std::size_t crossing_count) {
-  if (fragment.list.count == 0) {
-    ++work_->lit;
-    return lit_cell;
-  }
+  if (fragment.list.count == 0) return counted(&Work::lit, lit_cell);
   if (work_->spent() >= most_spent_) {
     ++work_->stopped;
     return add_penumbra(fragment, false);
@@ -108,10 +102,8 @@ Link Divider::divide_filtered(Fragment& fragment, std::size_t crossing_count) {
     return halve(fragment, crossing_count);
   if (const std::span<const ClipPlane> planes = best_planes(fragment, fragment.is_dim); !planes.empty())
     return cut_by(fragment, planes, fragment.is_dim);
-  if (!fragment.is_dim) {  // volumes lie across it by the signs of its corners, but none has any area in it
-    ++work_->lit;
-    return lit_cell;
-  }
+  // Volumes lie across it by the signs of its corners, but none has any area in it.
+  if (!fragment.is_dim) return counted(&Work::lit, lit_cell);
   if (longest_span(corners(fragment.part)).length > rules_.largest) return halve(fragment, crossing_count);
   if (rules_.light_splits > 0 && lighting_.body->is_flat) return divide_light(fragment);
   return add_penumbra(fragment, rules_.asks_corners);
@@ -152,19 +144,12 @@ Link Divider::cut_by(Fragment fragment, std::span<const ClipPlane> planes, bool 
     put(node);
     last = node;
     has_node = true;
-    Fragment outer = fragment;
-    outer.part = beyond;
-    const Link link = divide(outer);
+    const Link link = divide(with_part(fragment, beyond));
     tree_->nodes[node].sides[0] = link;
     fragment.part = inside;
   }
-  if (is_umbra) {
-    ++work_->umbra;
-    put(umbra_cell);
-  } else {
-    fragment.is_dim = true;
-    put(divide(fragment));
-  }
+  fragment.is_dim = true;
+  put(is_umbra ? counted(&Work::umbra, umbra_cell) : divide(fragment));
   return first;
 }
 
@@ -178,9 +163,7 @@ Link Divider::halve(Fragment fragment, std::size_t crossing_count) {
   const auto node = static_cast<Link>(tree_->nodes.size());
   tree_->nodes.push_back({plane, {lit_cell, lit_cell}});
   for (int side = 0; side < 2; ++side) {
-    Fragment half = fragment;
-    half.part = side == 0 ? low : high;
-    const Link link = divide(half);
+    const Link link = divide(with_part(fragment, side == 0 ? low : high));
     tree_->nodes[node].sides[side] = link;
   }
   return node;
@@ -191,10 +174,7 @@ Link Divider::divide_light(Fragment& fragment) {
   for (const std::uint32_t v : volumes(fragment.list)) polygons_.push_back(lighting_.volumes->all()[v].polygon);
   if (share_at(middle(fragment.part), polygons_) > 1e-9) return add_penumbra(fragment, rules_.asks_corners);
   std::vector<ClipPlane> planes;
-  if (is_hidden(fragment, *lighting_.body, rules_.light_splits, planes)) {
-    ++work_->umbra;
-    return umbra_cell;
-  }
+  if (is_hidden(fragment, *lighting_.body, rules_.light_splits, planes)) return counted(&Work::umbra, umbra_cell);
   return planes.empty() ? add_penumbra(fragment, rules_.asks_corners) : cut_by(fragment, planes, false);
 }
 
@@ -206,10 +186,9 @@ bool Divider::is_hidden(const Fragment& fragment, const LightBody& light, int sp
   int crossing = 0;
   for (std::size_t k = 0; k < fragment.list.count; ++k) {
     const Volume& v = volume(fragment.list.first + k);
-    const CasterPolygon& polygon = lighting_.polygons[v.polygon];
+    const CasterPolygon& polygon = lighting_.casters->polygons[v.polygon];
     const ClipPlane& far = lighting_.volumes->penumbra(v)[0];
-    if (!v.is_whole) continue;
-    if (lies_of(light, far, rules_.epsilon) != Lies::negative) continue;
+    if (!v.is_whole || lies_of(light, far, rules_.epsilon) != Lies::negative) continue;
     Corner own[4];
     for (std::uint32_t c = 0; c < polygon.count; ++c) own[c] = {glm::dvec3(polygon.corners[c])};
     umbra.assign(1, far);
@@ -238,10 +217,7 @@ Link Divider::add_penumbra(const Fragment& fragment, bool has_corners) {
   }
   std::ranges::sort(polygons_);
   polygons_.erase(std::unique(polygons_.begin(), polygons_.end()), polygons_.end());
-  if (polygons_.empty()) {
-    ++work_->lit;
-    return lit_cell;
-  }
+  if (polygons_.empty()) return counted(&Work::lit, lit_cell);
   ++work_->penumbra;
   Penumbra made{.first = static_cast<std::uint32_t>(tree_->polygons.size()),
                 .count = static_cast<std::uint32_t>(polygons_.size()),
@@ -262,7 +238,7 @@ Link Divider::add_penumbra(const Fragment& fragment, bool has_corners) {
   return penumbra_cell(tree_->penumbras.size() - 1);
 }
 
-std::pair<Divider::Part, Divider::Part> Divider::cut(const Part& part, const ClipPlane& plane) {
+std::pair<Slice, Slice> Divider::cut(const Slice& part, const ClipPlane& plane) {
   values_.resize(std::max(values_.size(), part.count));
   const std::size_t first = corners_.size();
   corners_.resize(first + 2 * (part.count + 1));
@@ -273,24 +249,24 @@ std::pair<Divider::Part, Divider::Part> Divider::cut(const Part& part, const Cli
   return {{first, counts.negative}, {first + part.count + 1, counts.positive}};
 }
 
-bool Divider::reaches_into(const Part& part, std::span<const ClipPlane> planes, double least_width) {
+bool Divider::reaches_into(const Slice& part, std::span<const ClipPlane> planes, double least_width) {
   clipper_.start(corners(part));
   for (const ClipPlane& plane : planes)
     if (!has_inside(clipper_.keep_positive(plane, rules_.epsilon))) return false;
   return width_of(clipper_.corners()) > std::max(least_width, rules_.epsilon);
 }
 
-glm::dvec3 Divider::middle(const Part& part) const {
+glm::dvec3 Divider::middle(const Slice& part) const {
   glm::dvec3 sum(0);
   for (const Corner& corner : corners(part)) sum += corner.at;
   return sum / static_cast<double>(part.count);
 }
 
 double Divider::share_at(const glm::dvec3& point, std::span<const std::uint32_t> polygons) {
-  const LightFigure face(lighting_.light, point, normal_);
-  if (!face.is_seen()) return 1;
+  const LightFigure figure(lighting_.light, point, normal_);
+  if (!figure.is_seen()) return 1;
   work_->clips += polygons.size();
-  return seen_past(lighting_.polygons, polygons, point, face, area_);
+  return seen_past(lighting_.casters->polygons, polygons, point, figure, area_);
 }
 
 }  // namespace gnomon::area_svbsp

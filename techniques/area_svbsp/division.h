@@ -21,7 +21,7 @@ struct Node {
 /// A cell in which some polygons may hide a part of the light, and no other one does.
 struct Penumbra {
   std::uint32_t first, count;          ///< polygons, of Tree::polygons; `open`: too many, none are listed
-  std::uint32_t corner, corner_count;  ///< of Tree::corners, where the light is asked at corners; else none
+  std::uint32_t corner, corner_count;  ///< of Tree::corners where corners are shaded; else none
   static constexpr std::uint32_t open = 0xffffffffu;
 };
 
@@ -55,7 +55,7 @@ struct Rules {
   int light_splits = 0;          ///< halvings of the light, one within the other
   std::uint32_t tile_size = 16;  ///< volumes whose planes cross a fragment; with more it is halved first
   std::uint32_t most_listed = 64;
-  bool asks_corners = false;
+  bool asks_corners = false;  ///< whether the light is clipped from the corners of fragments
 };
 
 struct Work {
@@ -75,8 +75,7 @@ struct Work {
 
 /// What all trees of a light are made of. Everything outlives the division.
 struct Lighting {
-  const Scene* scene = nullptr;
-  std::span<const CasterPolygon> polygons;
+  const Casters* casters = nullptr;
   const Volumes* volumes = nullptr;
   const LightBody* body = nullptr;
   Light light;
@@ -84,7 +83,7 @@ struct Lighting {
 
 /// How much of a light a point sees past polygons, by their numbers.
 double seen_past(std::span<const CasterPolygon> casters, std::span<const std::uint32_t> polygons, const glm::dvec3& point,
-                 const LightFigure& face, VisibleArea& area);
+                 const LightFigure& figure, VisibleArea& area);
 
 /// Divides one side of a triangle into fragments that see all of the light, a part of it, or nothing. A fragment is cut by the
 /// planes of the penumbra volumes of polygons until it is inside one of them or outside all, and in there by those of umbra
@@ -95,31 +94,35 @@ class Divider {
   Divider(const Lighting& lighting, const Rules& rules) : lighting_(lighting), rules_(rules) {}
 
   /// `polygon` is the triangle, or the part of it on one side of a flat light's plane; `volumes` those that it may lie in or
-  /// across; `normal` is unit, on the side that is asked about. Once it has `spent` so many tests fragments are left whole, and
+  /// across; `normal` is unit, on the side that is queried. Once it has `spent` so many tests fragments are left whole, and
   /// points in them clip the light for themselves.
   void run(std::span<const Corner> polygon, const glm::dvec3& normal, std::span<const std::uint32_t> volumes,
            std::uint64_t most_tests, Tree& tree, Work& work);
 
  private:
-  struct Part {
-    std::size_t first, count;  ///< of corners_
-  };
-  struct List {
-    std::size_t first, count;  ///< volumes, of lists_
-  };
   /// Volumes that crossed the fragment when it was halved last, and the time before.
   struct Crowd {
     std::size_t last = 0xffffffffu, before = 0xffffffffu;
   };
   struct Fragment {
-    Part part;
-    List list;
+    Slice part;           ///< corners, of corners_
+    Slice list;           ///< volumes, of lists_
     bool is_dim = false;  ///< inside a penumbra volume
     Crowd crowd;
   };
-  std::span<const Corner> corners(const Part& part) const { return {corners_.data() + part.first, part.count}; }
-  std::span<const std::uint32_t> volumes(const List& list) const { return {lists_.data() + list.first, list.count}; }
+  std::span<const Corner> corners(const Slice& part) const { return {corners_.data() + part.first, part.count}; }
+  std::span<const std::uint32_t> volumes(const Slice& list) const { return {lists_.data() + list.first, list.count}; }
   const Volume& volume(std::size_t place) const { return lighting_.volumes->all()[lists_[place]]; }
+
+  static Fragment with_part(Fragment fragment, const Slice& part) {
+    fragment.part = part;
+    return fragment;
+  }
+  /// A cell of this kind, which is counted.
+  Link counted(std::uint64_t Work::*kind, Link cell) {
+    ++(work_->*kind);
+    return cell;
+  }
 
   /// Divides a fragment. Its memory, and all that is taken meanwhile, is free again afterwards.
   Link divide(const Fragment& fragment);
@@ -136,14 +139,14 @@ class Divider {
   /// Whether polygons hide each half of a light, or half of a half, from all of a fragment. Where not, `planes` has those of an
   /// umbra volume, of a part that is halved no more, that reaches into the fragment, if the first part not hidden has one.
   bool is_hidden(const Fragment& fragment, const LightBody& light, int splits, std::vector<ClipPlane>& planes);
-  /// With corners only where every fragment is as short as the rules want.
+  /// With corners only where every fragment is as short as the rules require.
   Link add_penumbra(const Fragment& fragment, bool has_corners);
 
   /// The parts on the negative and on the positive side of a plane that a part lies across, at the end of corners_.
-  std::pair<Part, Part> cut(const Part& part, const ClipPlane& plane);
+  std::pair<Slice, Slice> cut(const Slice& part, const ClipPlane& plane);
   /// Whether some of a part, of this width at least, is inside all planes.
-  bool reaches_into(const Part& part, std::span<const ClipPlane> planes, double least_width);
-  glm::dvec3 middle(const Part& part) const;
+  bool reaches_into(const Slice& part, std::span<const ClipPlane> planes, double least_width);
+  glm::dvec3 middle(const Slice& part) const;
   double share_at(const glm::dvec3& point, std::span<const std::uint32_t> polygons);
 
   const Lighting& lighting_;

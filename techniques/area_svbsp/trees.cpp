@@ -1,5 +1,6 @@
 #include "trees.h"
 
+#include <gnomon/kit/area/light_pyramid.h>
 #include <gnomon/kit/parallel.h>
 
 #include <algorithm>
@@ -15,13 +16,12 @@ constexpr std::size_t most_candidates = 1 << 15;  ///< volumes that a side may m
 /// The sides that are turned to a light.
 std::vector<Side> find_sides(const Lighting& lighting, double epsilon, std::vector<std::uint32_t>& first_of) {
   const LightBody& light = *lighting.body;
-  const Scene& scene = *lighting.scene;
   Bounds lamp;
-  for (const glm::dvec3& corner : light.corners) lamp.add(glm::vec3(corner));
+  for (const Corner& corner : light.corners) lamp.add(glm::vec3(corner.at));
   std::vector<Side> sides;
   first_of.assign(1, 0);
   std::uint32_t number = 0;
-  for (const Mesh& mesh : scene.meshes) {
+  for (const Mesh& mesh : lighting.casters->scene->meshes) {
     Bounds box;
     box.add(mesh.positions);
     const bool is_apart = glm::any(glm::lessThan(box.max, lamp.min)) || glm::any(glm::lessThan(lamp.max, box.min));
@@ -29,20 +29,13 @@ std::vector<Side> find_sides(const Lighting& lighting, double epsilon, std::vect
     for (std::size_t t = 0; t < mesh.triangles.size();
          ++t, ++number, first_of.push_back(static_cast<std::uint32_t>(sides.size()))) {
       if (!mesh.receives) continue;
-      const Triangle triangle = mesh.corners(t);
-      Corner corners[3];
-      for (int k = 0; k < 3; ++k) corners[k] = {glm::dvec3(triangle.points[k])};
+      const std::array corners = corners_of(mesh.corners(t));
       const std::optional<ClipPlane> plane = plane_of(corners);
       if (!plane) continue;
       const auto faces = static_cast<unsigned>(lies_of(light, *plane, epsilon));
       for (const int light_side : {1, -1}) {
-        if (light.is_flat) {
-          if (light.is_one_sided && light_side < 0) continue;
-          const ClipPlane before = light_side > 0 ? light.plane : -light.plane;
-          if (std::ranges::none_of(corners, [&](const Corner& c) { return before.at(c.at) > epsilon; })) continue;
-        } else if (light_side < 0) {
-          continue;
-        }
+        if (light_side < 0 && (!light.is_flat || light.is_one_sided)) continue;
+        if (light.is_flat && values_of(corners, light.plane_toward(light_side)).high <= epsilon) continue;
         const auto in_plane = static_cast<std::int8_t>(light.is_flat ? light_side : 0);
         if (faces & 2) sides.push_back({number, 1, in_plane});
         if ((faces & 1) && !has_inside) sides.push_back({number, -1, in_plane});
@@ -55,27 +48,22 @@ std::vector<Side> find_sides(const Lighting& lighting, double epsilon, std::vect
 /// Finds the volumes that one side meets.
 class Finder {
  public:
-  Finder(const Lighting& lighting, const BoxTree& boxes, double epsilon)
-      : lighting_(lighting), boxes_(boxes), epsilon_(epsilon) {}
+  Finder(const Lighting& lighting, double epsilon) : lighting_(lighting), epsilon_(epsilon) {}
 
   void run(const Triangle& triangle, const Side& side, std::span<const Corner> part, std::vector<std::uint32_t>& found) {
     found.clear();
-    Corner own[3];
-    for (int k = 0; k < 3; ++k) own[k] = {glm::dvec3(triangle.points[k])};
-    const ClipPlane plane = side.side > 0 ? *plane_of(own) : -*plane_of(own);
+    const LightBody& light = *lighting_.body;
+    const ClipPlane own = *plane_of(corners_of(triangle)), plane = side.side > 0 ? own : -own;
     planes_.clear();
-    PlaneMaker(*lighting_.body, epsilon_).add_shaft(part, planes_);
+    PlaneMaker(light, epsilon_).add_shaft(part, planes_);
     planes_.push_back(plane);
-    if (lighting_.body->is_flat) planes_.push_back(side.light_side > 0 ? lighting_.body->plane : -lighting_.body->plane);
+    if (light.is_flat) planes_.push_back(light.plane_toward(side.light_side));
     glm::dvec3 low(INFINITY), high(-INFINITY);
-    for (const Corner& corner : part) {
-      low = glm::min(low, corner.at);
-      high = glm::max(high, corner.at);
-    }
-    for (const glm::dvec3& corner : lighting_.body->corners) {
-      low = glm::min(low, corner);
-      high = glm::max(high, corner);
-    }
+    for (const std::span<const Corner> corners : {part, std::span(light.corners)})
+      for (const Corner& corner : corners) {
+        low = glm::min(low, corner.at);
+        high = glm::max(high, corner.at);
+      }
     const auto meets = [&](const float* lower, const float* upper) {
       for (int k = 0; k < 3; ++k)
         if (upper[k] < low[k] - epsilon_ || lower[k] > high[k] + epsilon_) return false;
@@ -86,15 +74,18 @@ class Finder {
                -epsilon_;
       });
     };
-    boxes_.each(meets, [&](std::uint32_t place) {
-      const std::uint32_t number = boxes_.order()[place];
-      const CasterPolygon& polygon = lighting_.polygons[number];
+    const auto& [a, b, c] = triangle.points;
+    const auto is_coplanar = [&](const glm::vec3& corner) { return coplanar(a, b, c, corner); };
+    const Casters& casters = *lighting_.casters;
+    casters.boxes.each(meets, [&](std::uint32_t place) {
+      const std::uint32_t number = casters.boxes.order()[place];
+      const CasterPolygon& polygon = casters.polygons[number];
       const Bounds box = polygon.bounds();
       if (!meets(&box.min.x, &box.max.x)) return false;
       double highest = -INFINITY;
       for (std::uint32_t k = 0; k < polygon.count; ++k) highest = std::max(highest, plane.at(glm::dvec3(polygon.corners[k])));
       if (highest <= epsilon_) return false;
-      if (highest < 1e5 * epsilon_ && is_coplanar(triangle, polygon)) return false;
+      if (highest < 1e5 * epsilon_ && std::ranges::all_of(std::span(polygon.corners, polygon.count), is_coplanar)) return false;
       const auto [begin, end] = lighting_.volumes->of(number);
       for (std::uint32_t v = begin; v < end; ++v) {
         const Volume& volume = lighting_.volumes->all()[v];
@@ -107,13 +98,7 @@ class Finder {
   }
 
  private:
-  static bool is_coplanar(const Triangle& triangle, const CasterPolygon& polygon) {
-    return coplanar(triangle, polygon.corners) &&
-           (polygon.count == 3 || coplanar(triangle.points[0], triangle.points[1], triangle.points[2], polygon.corners[3]));
-  }
-
   const Lighting& lighting_;
-  const BoxTree& boxes_;
   double epsilon_;
   std::vector<ClipPlane> planes_;
 };
@@ -122,58 +107,25 @@ class Finder {
 
 std::vector<Corner> part_of(const Triangle& triangle, const LightBody& light, int light_side, double epsilon) {
   Clipper clipper;
-  clipper.start();
-  for (const glm::vec3& p : triangle.points) clipper.add({glm::dvec3(p)});
-  if (light.is_flat) clipper.keep_positive(light_side > 0 ? light.plane : -light.plane, epsilon);
+  clipper.start(corners_of(triangle));
+  if (light.is_flat) clipper.keep_positive(light.plane_toward(light_side), epsilon);
   return {clipper.corners().begin(), clipper.corners().end()};
 }
 
-namespace {
-
-/// The pyramid from a point over the box of a light, above the horizon.
-struct Pyramid {
-  glm::dvec3 point, low{0}, high{0};
-  glm::dvec3 planes[5];  ///< normals of planes through the point, positive inside
-
-  Pyramid(const glm::dvec3& from, const LightFigure& face) : point(from) {
-    const LightFigure::Box& box = face.box();
-    const glm::dvec3 corners[] = {face.at(box.low), face.at({box.high.x, box.low.y}), face.at(box.high),
-                                  face.at({box.low.x, box.high.y})};
-    const double turn = glm::dot(glm::cross(corners[0], corners[1]), corners[2]) > 0 ? 1 : -1;
-    for (int k = 0; k < 4; ++k) planes[k] = turn * glm::cross(corners[k], corners[(k + 1) % 4]);
-    planes[4] = face.normal();
-    for (const glm::dvec3& corner : corners) {
-      low = glm::min(low, corner);
-      high = glm::max(high, corner);
-    }
-  }
-  bool meets(const float* lower, const float* upper) const {
-    const glm::dvec3 from = glm::dvec3(lower[0], lower[1], lower[2]) - point,
-                     to = glm::dvec3(upper[0], upper[1], upper[2]) - point;
-    if (glm::any(glm::lessThan(to, low)) || glm::any(glm::lessThan(high, from))) return false;
-    return std::ranges::all_of(planes, [&](const glm::dvec3& n) {
-      return glm::dot(n, glm::dvec3(n.x > 0 ? to.x : from.x, n.y > 0 ? to.y : from.y, n.z > 0 ? to.z : from.z)) >= 0;
-    });
-  }
-};
-
-}  // namespace
-
-void find_between(const Scene& scene, std::span<const CasterPolygon> polygons, const BoxTree& boxes,
-                  const TriangleNumbers& numbers, const Receiver& receiver, const LightFigure& face,
+void find_between(const Casters& casters, const Receiver& receiver, const LightFigure& figure,
                   std::vector<std::uint32_t>& found) {
   found.clear();
-  const Pyramid pyramid(glm::dvec3(receiver.point), face);
+  const LightPyramid pyramid(glm::dvec3(receiver.point), figure);
   const auto meets = [&](const float* lower, const float* upper) { return pyramid.meets(lower, upper); };
-  boxes.each(meets, [&](std::uint32_t place) {
-    const std::uint32_t number = boxes.order()[place];
-    const CasterPolygon& polygon = polygons[number];
+  casters.boxes.each(meets, [&](std::uint32_t place) {
+    const std::uint32_t number = casters.boxes.order()[place];
+    const CasterPolygon& polygon = casters.polygons[number];
     const Bounds bounds = polygon.bounds();
     if (!pyramid.meets(&bounds.min.x, &bounds.max.x)) return false;
-    const std::uint32_t first = numbers.first_of(polygon.mesh);
+    const std::uint32_t first = casters.numbers.first_of(polygon.mesh);
     const bool is_own = receiver.is_own(polygon.mesh, polygon.triangles[0] - first) ||
                         receiver.is_own(polygon.mesh, polygon.triangles[1] - first);
-    if (!is_own && !receiver.is_coplanar(scene, polygon.corners)) found.push_back(number);
+    if (!is_own && !receiver.is_coplanar(*casters.scene, polygon.corners)) found.push_back(number);
     return false;
   });
 }
@@ -191,7 +143,7 @@ double casters_before(const Scene& scene, const Light& light) {
     return false;
   });
   // Place k of the triangles, laid out one after the other by area, is inside the next one that reaches as far.
-  std::vector<Pyramid> pyramids;
+  std::vector<LightPyramid> pyramids;
   std::size_t asked = 0;
   double before = 0;
   each_receiver([&](const Triangle& triangle, double twice) {
@@ -205,8 +157,8 @@ double casters_before(const Scene& scene, const Light& light) {
                        place = a + u * (glm::dvec3(triangle.points[1]) - a) + v * (glm::dvec3(triangle.points[2]) - a);
       const glm::dvec3 normal = glm::normalize(triangle.normal());
       for (const double side : {1.0, -1.0})
-        if (const LightFigure face(light, place, side * normal); face.is_seen()) {
-          pyramids.emplace_back(place, face);
+        if (const LightFigure figure(light, place, side * normal); figure.is_seen()) {
+          pyramids.emplace_back(place, figure);
           break;
         }
     }
@@ -217,23 +169,23 @@ double casters_before(const Scene& scene, const Light& light) {
     for (std::size_t t = 0; mesh.casts && t < mesh.triangles.size(); ++t) {
       Bounds box;
       box.add(mesh.corners(t).points);
-      for (const Pyramid& pyramid : pyramids) met += pyramid.meets(&box.min.x, &box.max.x);
+      for (const LightPyramid& pyramid : pyramids) met += pyramid.meets(&box.min.x, &box.max.x);
     }
   return pyramids.empty() ? 0 : static_cast<double>(met) / static_cast<double>(pyramids.size());
 }
 
-void Trees::grow(const Lighting& lighting, const BoxTree& boxes, const TriangleNumbers& numbers, const Rules& rules,
-                 std::uint64_t most_tests) {
+void Trees::grow(const Lighting& lighting, const Rules& rules, std::uint64_t most_tests) {
   sides_ = find_sides(lighting, rules.epsilon, first_of_);
   trees_.clear();
   trees_.resize(sides_.size());
   const auto triangle_of = [&](const Side& side) {
+    const TriangleNumbers& numbers = lighting.casters->numbers;
     const std::uint32_t mesh = numbers.mesh_of(side.triangle);
-    return lighting.scene->meshes[mesh].corners(side.triangle - numbers.first_of(mesh));
+    return lighting.casters->scene->meshes[mesh].corners(side.triangle - numbers.first_of(mesh));
   };
   std::vector<std::vector<std::uint32_t>> found(sides_.size());
   for_blocks(sides_.size(), 16, [&](std::size_t begin, std::size_t end) {
-    Finder finder(lighting, boxes, rules.epsilon);
+    Finder finder(lighting, rules.epsilon);
     std::vector<std::uint32_t> some;
     for (std::size_t i = begin; i < end; ++i) {
       const Triangle triangle = triangle_of(sides_[i]);
@@ -272,10 +224,10 @@ void Trees::grow(const Lighting& lighting, const BoxTree& boxes, const TriangleN
   for (const Work& work : works) work_ += work;
 }
 
-std::uint32_t Trees::find(const Side& side) const {
+const Tree* Trees::find(const Side& side) const {
   for (std::uint32_t i = first_of_[side.triangle]; i < first_of_[side.triangle + 1]; ++i)
-    if (sides_[i].side == side.side && sides_[i].light_side == side.light_side) return i;
-  return none;
+    if (sides_[i].side == side.side && sides_[i].light_side == side.light_side) return &trees_[i];
+  return nullptr;
 }
 
 std::size_t Trees::node_count() const {

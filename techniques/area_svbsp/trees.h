@@ -14,16 +14,12 @@ struct Side {
 /// meshes with the light outside have none, since no eye outside sees them.
 class Trees {
  public:
-  static constexpr std::uint32_t none = 0xffffffffu;
-
   /// On all threads; the outcome does not depend on their number. What `lighting` names outlives the trees. `most_tests` bounds
   /// the work: it is shared out among the sides by how many volumes each meets.
-  void grow(const Lighting& lighting, const BoxTree& boxes, const TriangleNumbers& numbers, const Rules& rules,
-            std::uint64_t most_tests);
+  void grow(const Lighting& lighting, const Rules& rules, std::uint64_t most_tests);
 
-  /// The number of the tree of a side, or none.
-  std::uint32_t find(const Side& side) const;
-  const Tree& tree(std::uint32_t number) const { return trees_[number]; }
+  /// The tree of a side; null where it has none.
+  const Tree* find(const Side& side) const;
   std::size_t count() const { return trees_.size(); }
   const Work& work() const { return work_; }
   std::size_t node_count() const;
@@ -36,13 +32,13 @@ class Trees {
   Work work_;
 };
 
-/// The polygons that may hide some of a light from a point, not those that never shade the receiver: where no tree tells.
-void find_between(const Scene& scene, std::span<const CasterPolygon> polygons, const BoxTree& boxes,
-                  const TriangleNumbers& numbers, const Receiver& receiver, const LightFigure& face,
+/// The polygons that may hide some of a light from a point, without those that never shade the receiver: for points that have
+/// no tree.
+void find_between(const Casters& casters, const Receiver& receiver, const LightFigure& figure,
                   std::vector<std::uint32_t>& found);
 
-/// How many triangles that cast stand before a light, at most, from a receiving point: the mean over those that see it of 64
-/// places, spread over the receiving triangles by area, on the side that sees it whatever the winding.
+/// How many casting triangles lie before a light, at most, from a receiving point: the mean over 64 places that see it, spread
+/// over the receiving triangles by area, on the side that sees it whatever the winding.
 double casters_before(const Scene& scene, const Light& light);
 
 /// The part of a triangle that lies on one side of a flat light's plane; all of it under a solid light.

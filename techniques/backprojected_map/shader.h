@@ -6,11 +6,7 @@ namespace gnomon::backprojected_map {
 
 inline constexpr std::string_view body = R"(
 /// A disc counts as the square with its area: half sides are so much of the radius.
-#if FIGURE == 1
-const float half_side = 0.88622693;
-#else
-const float half_side = 1;
-#endif
+const float half_side = FIGURE == 1 ? 0.88622693 : 1.0;
 
 /// From the plane of the figure seen along the axis, in texels at spread 1, to places of the light.
 struct Back {
@@ -56,11 +52,8 @@ float share_seen(Point p, out vec4 account) {
   float turn = figure[0].x * figure[1].y - figure[1].x * figure[0].y;
   float edge_on = 1e-20 * (dot(figure[0], figure[0]) + dot(figure[1], figure[1]));
   turn = (turn < 0 ? -1 : 1) * max(max(abs(turn), edge_on), 1e-37);
-  Back back;
-  back.places = mat2(figure[1].y, -figure[0].y, -figure[1].x, figure[0].x) / turn;
-  back.tilt = tilt;
-  back.reach = abs(figure[0]) + abs(figure[1]);
-  back.steps_tilt = tilt * back.places;
+  mat2 places = mat2(figure[1].y, -figure[0].y, -figure[1].x, figure[0].x) / turn;
+  Back back = Back(places, tilt, tilt * places, abs(figure[0]) + abs(figure[1]));
 
   vec2 radius = p.reach * spread, first = floor(p.position - radius), last = floor(p.position + radius);
   float hidden = 0;
@@ -76,9 +69,7 @@ float share_seen(Point p, out vec4 account) {
       float above = stored_depth(texel - vec2(0, 1));
       above = is_hidden_by(p, texel - vec2(0, 1), above) ? spread_of(p, above) : 0;
       vec2 joint = at / vec2(left, above);
-#if JOINTS == 1
-      joint = min(joint, low);
-#endif
+      if (JOINTS == 1) joint = min(joint, low);
       low = vec2(left > 0 ? joint.x : low.x, above > 0 ? joint.y : low.y);
 #endif
       hidden += own > 0 && x >= first.x ? hidden_by(back, low, high) : 0;

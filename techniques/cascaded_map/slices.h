@@ -1,8 +1,8 @@
 #pragma once
 #include <gnomon/kit/maps/light_camera.h>
+#include <gnomon/kit/parallel.h>
 
-#include <span>
-#include <vector>
+#include <mutex>
 
 namespace gnomon::cascaded_map {
 
@@ -12,28 +12,76 @@ struct DepthRange {
 
 /// Where a range is divided into `count` slices: between each and the next. `logarithmic` mixes equal ratios (1) and equal
 /// lengths (0) of slices. Source: Zhang, Sun, Xu and Lun 2006.
-std::vector<double> practical_splits(const DepthRange& range, int count, double logarithmic);
+inline std::vector<double> practical_splits(const DepthRange& range, int count, double logarithmic) {
+  std::vector<double> splits;
+  for (int i = 1; i < count; ++i) {
+    const double share = double(i) / count, equal_ratio = range.near * std::pow(range.far / range.near, share);
+    splits.push_back(std::lerp(std::lerp(range.near, range.far, share), equal_ratio, logarithmic));
+  }
+  return splits;
+}
 
 /// The range widened to powers of sqrt 2, which stay the same while an eye moves a little.
-DepthRange quantized(const DepthRange& range);
+inline DepthRange quantized(const DepthRange& range) {
+  return {std::exp2(std::floor(2 * std::log2(range.near)) / 2), std::exp2(std::ceil(2 * std::log2(range.far)) / 2)};
+}
 
 struct SliceSphere {
   glm::dvec3 center;
   double radius;
 };
-/// The smallest sphere with its center on the view's axis that holds the part of its pyramid between two depths. `tangent` is
-/// that of the angle between axis and the pyramid's edges.
-SliceSphere sphere_around(const glm::dvec3& eye, const glm::dvec3& axis, double tangent, const DepthRange& slice);
+/// The smallest sphere with its center on the view's axis that contains the part of its pyramid between two depths. `tangent`
+/// is that of the angle between axis and the pyramid's edges.
+///
+/// From a center at depth c the far corners are sqrt((b - c)^2 + (b t)^2) away and the near ones sqrt((c - a)^2 + (a t)^2):
+/// they are equal at c = (a + b)(1 + t^2) / 2, and from c = b on the far ones decide.
+inline SliceSphere sphere_around(const glm::dvec3& eye, const glm::dvec3& axis, double tangent, const DepthRange& slice) {
+  const auto& [a, b] = slice;
+  const double c = std::min(b, (a + b) / 2 * (1 + tangent * tangent));
+  return {eye + c * axis, std::hypot(b - c, b * tangent)};
+}
 
 /// The square of a sphere on a face of parallel rays, moved to whole texels: its size depends on the sphere's radius alone, and
 /// its place goes in steps of a texel. `inner` is how many texels of an image it may take, one of them for the step.
-LightExtent stable_window(const LightSpaceFace& face, const SliceSphere& sphere, int inner);
+inline LightExtent stable_window(const LightSpaceFace& face, const SliceSphere& sphere, int inner) {
+  const double texel = 2 * sphere.radius / (inner - 1);
+  const glm::dvec3 center = face.seen(sphere.center);
+  const glm::dvec2 low = texel * glm::floor((glm::dvec2(center) - sphere.radius) / texel);
+  return {low, low + inner * texel, center.z - sphere.radius, center.z + sphere.radius};
+}
+
+/// Depths of the points; near > far where there is none.
+inline DepthRange depths_of(std::span<const glm::dvec3> points, const ViewSlices& slices) {
+  DepthRange all{INFINITY, -INFINITY};
+  for (const glm::dvec3& point : points) {
+    const double depth = slices.depth_of(point);
+    all = {std::min(all.near, depth), std::max(all.far, depth)};
+  }
+  return all;
+}
 
 /// What of each slice the points take, as seen through the light's only face. Points within `rounding` meters of depth of two
 /// slices are in both.
-std::vector<LightExtent> seen_in_slices(std::span<const glm::dvec3> points, const LightSpaceFace& face,
-                                        const ViewSlices& slices, double rounding);
-/// Depths of the points; near > far where there is none.
-DepthRange depths_of(std::span<const glm::dvec3> points, const ViewSlices& slices);
+inline std::vector<LightExtent> seen_in_slices(std::span<const glm::dvec3> points, const LightSpaceFace& face,
+                                               const ViewSlices& slices, double rounding) {
+  std::vector<LightExtent> all(slices.ends.size() + 1);
+  std::mutex mutex;
+  for_blocks(points.size(), 8192, [&](std::size_t begin, std::size_t end) {
+    std::vector<LightExtent> found(all.size());
+    for (const glm::dvec3& point : points.subspan(begin, end - begin)) {
+      const glm::dvec3 q = face.seen(point);
+      const glm::dvec2 place = face.place(q);
+      const int slice = slices.slice_of(point);
+      found[slice].add(place, q.z);
+      // What rounding may put into a neighbor is seen by both: shaders compute depths in float32.
+      const double depth = slices.depth_of(point);
+      if (slice > 0 && depth - slices.ends[slice - 1] < rounding) found[slice - 1].add(place, q.z);
+      if (slice < std::ssize(slices.ends) && slices.ends[slice] - depth < rounding) found[slice + 1].add(place, q.z);
+    }
+    const std::scoped_lock lock(mutex);
+    for (std::size_t k = 0; k < all.size(); ++k) all[k].add(found[k]);
+  });
+  return all;
+}
 
 }  // namespace gnomon::cascaded_map

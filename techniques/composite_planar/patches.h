@@ -71,13 +71,9 @@ class Patches {
 
   void end(const Run& run) {
     const std::uint32_t left = run.first_tile % columns_ * Tiles::side, top = run.first_tile / columns_ * Tiles::side;
-    Patch patch{.left = left,
-                .top = top,
-                .right = std::min<std::uint32_t>((run.last_tile % columns_ + 1) * Tiles::side, width_),
-                .bottom = std::min<std::uint32_t>(top + Tiles::side, height_),
-                .plane = run.plane,
-                .first = run.first,
-                .count = run.count};
+    const std::uint32_t right = std::min<std::uint32_t>((run.last_tile % columns_ + 1) * Tiles::side, width_);
+    const std::uint32_t bottom = std::min<std::uint32_t>(top + Tiles::side, height_);
+    Patch patch{left, top, right, bottom, run.plane, run.first, run.count};
     if (run.count == 0) whole.push_back(patch);
     for (std::uint32_t done = 0; done < run.count; done += patch.count) {
       patch.first = run.first + done;

@@ -5,8 +5,6 @@
 
 #include <algorithm>
 #include <array>
-#include <optional>
-#include <span>
 
 namespace composite_planar {
 using namespace gnomon;
@@ -19,7 +17,7 @@ struct Receiver {
   double turn = 0;
 };
 
-/// The planes on which shadows are answered. Curved shapes are none, whatever their triangles say.
+/// The planes that receive shadows. Curved shapes are none, whatever their triangles are.
 struct ReceiverSet {
   std::vector<Receiver> planes;
   double tolerance = 0;      ///< points up to this far off a plane lie on it, meters
@@ -49,7 +47,7 @@ inline void turn_to(Receiver& receiver, const glm::dvec3& normal) {
   receiver.turn = std::max(receiver.turn, std::min(glm::distance(n, up), glm::distance(n, -up)) + 0x1p-21);
 }
 
-/// What of a sheet lies on the planes. A disc reaches beyond its triangles, which are inscribed.
+/// Adds the parts of a sheet on the planes. A disc reaches beyond its triangles, which are inscribed.
 inline void add_sheet(const Mesh& mesh, std::span<const std::uint32_t> plane_of, ReceiverSet& receivers) {
   const auto* disc = mesh.shape ? std::get_if<Disc>(&*mesh.shape) : nullptr;
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
@@ -65,7 +63,7 @@ inline void add_sheet(const Mesh& mesh, std::span<const std::uint32_t> plane_of,
   }
 }
 
-/// The base of a cone counts for no plane, but it may lie in one.
+/// The base of a cone makes no plane, but it may lie in one.
 inline void add_base(const Cone& cone, ReceiverSet& receivers) {
   for (Receiver& receiver : receivers.planes) {
     const glm::dvec3 lean = glm::cross(glm::normalize(glm::dvec3(cone.axis)), glm::dvec3(receiver.plane));

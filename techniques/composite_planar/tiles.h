@@ -84,7 +84,7 @@ class Tiles {
 
   void begin(const GBuffer& gbuffer) {
     camera_ = Camera(gbuffer.view, gbuffer.width, gbuffer.height);
-    clip_from_world_ = clip_from_world(gbuffer.view, gbuffer.width, gbuffer.height, 0);  // depths are not asked for
+    clip_from_world_ = clip_from_world(gbuffer.view, gbuffer.width, gbuffer.height, 0);  // depths are not used
     columns_ = (gbuffer.width + side - 1) / side;
     rows_ = (gbuffer.height + side - 1) / side;
     entries_.clear();

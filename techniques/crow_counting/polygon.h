@@ -9,23 +9,17 @@ namespace gnomon::crow_counting {
 
 // Whether the way from a start to a point crosses a polygon of a shadow volume, by signs alone.
 //
-// The point is meant a vanishing step nearer to the light than it is. That puts it on the light's side of every triangle whose
-// plane holds it, so that such a triangle, first of all the point's own, does not shade it; and it settles every way that goes
-// through the line of a caster's edge, for side quad and light cap alike, as if it passed on the light's side. What no such
-// step can settle is a point on the border of a volume itself, and a way that goes through a side quad's border elsewhere: the
-// second is a matter of the start.
+// The point is taken a vanishing step nearer to the light than it is. So it is on the light's side of every triangle whose
+// plane contains it: such a triangle, first of all the point's own, does not shade it. The step also settles every way through
+// the line of a caster's edge, for side quad and light cap alike, as if it passed on the light's side. Two cases stay open: a
+// point on the border of a volume itself, and a way through a side quad's border elsewhere. The second depends on the start.
 
 enum class Meeting {
   none,
   crosses,
   touches,  ///< the point lies on the side quad: its way to the light goes through the edge or one of its ends
-  unclear,  ///< ask again from another start
+  unclear,  ///< to be tested again from another start
 };
-
-/// Which way a side quad or a light cap is crossed at all follows from the side that the start is on: what crossing adds to the
-/// number of volumes around. `side_of_from`: orient3d of (from, low, high, light), or of the triangle's corners and `from`.
-inline int step_through_side(int side_of_from, int count) { return -side_of_from * count; }
-inline int step_through_cap(int side_of_from, int facing) { return side_of_from * facing; }
 
 /// The side quad of an edge a b: all points X whose way to the light meets the edge. The start must not lie on it.
 ///
@@ -102,7 +96,9 @@ struct Polygon {
   glm::dvec3 plane{0};
   double distance = 0, slack = 0;
   glm::dvec3 inside[3] = {};
-  int step = 0;  ///< what crossing it adds to the number of volumes; 0 where the start lies on the plane of a side quad
+  /// What crossing it adds to the number of volumes: it follows from the side of the plane on which the start is. 0 where the
+  /// start lies on the plane of a side quad.
+  int step = 0;
 };
 
 inline Polygon side_polygon(const Frame& frame, const glm::vec3& a, const glm::vec3& b, const glm::dvec4& light, int count) {
@@ -111,14 +107,14 @@ inline Polygon side_polygon(const Frame& frame, const glm::vec3& a, const glm::v
   const glm::dvec3 to_l = to_light(light, start), al = to_light(light, glm::dvec3(a));
   const int of_start = orient3d_sign(frame.start, a, b, light);
   Polygon polygon;
-  polygon.step = step_through_side(of_start, count);
+  polygon.step = -of_start * count;
   // [x a b l] = -(ab x al) . (x - a), of which the point must have the other sign than the start.
   const double turn = of_start == 0 ? 1 : -of_start;
   const glm::dvec3 normal = -turn / (glm::length(ab) * glm::length(al)) * glm::cross(ab, al);
   polygon.plane = frame.turned(normal);
   polygon.distance = glm::dot(normal, pa);
   polygon.slack = relative_error * glm::length(pa);
-  if (of_start == 0) return polygon;  // the other planes are not defined: leave all to the exact signs
+  if (of_start == 0) return polygon;  // the other planes are not defined: exact signs decide
   const double length_a = glm::length(pa), length_b = glm::length(pb), length_l = glm::length(to_l);
   polygon.inside[0] = frame.turned(turn / (length_a * length_b) * glm::cross(pa, pb));
   polygon.inside[1] = frame.turned(turn / (length_a * length_l) * glm::cross(pa, to_l));
@@ -132,7 +128,7 @@ inline Polygon cap_polygon(const Frame& frame, const Triangle& triangle, int fac
   const glm::dvec3 start(frame.start);
   const int of_start = orient3d_sign(p[0], p[1], p[2], frame.start);
   Polygon polygon;
-  polygon.step = step_through_cap(of_start, facing);
+  polygon.step = of_start * facing;
   if (polygon.step == 0) return polygon;
   const double turn = -of_start;
   const glm::dvec3 corner[3] = {glm::dvec3(p[0]) - start, glm::dvec3(p[1]) - start, glm::dvec3(p[2]) - start};
@@ -149,8 +145,8 @@ inline Polygon cap_polygon(const Frame& frame, const Triangle& triangle, int fac
   return polygon;
 }
 
-/// Where a polygon appears in the picture plane z = 1 of the start, and how far in front of it it begins; grown by rounding.
-/// Everywhere where a corner is not in front of the start.
+/// The box around a polygon in the picture plane z = 1 of the start, and its least z; grown by rounding. Boundless where a
+/// corner is not in front of the start.
 struct Outline {
   float x0 = -INFINITY, x1 = INFINITY, y0 = -INFINITY, y1 = INFINITY, z0 = -INFINITY;
   static Outline nowhere() { return {INFINITY, -INFINITY, INFINITY, -INFINITY, INFINITY}; }

@@ -1,8 +1,6 @@
 #pragma once
 #include <gnomon/kit/bytes.h>
 
-#include <vector>
-
 #include "polygon.h"
 
 namespace gnomon::crow_counting {
@@ -20,7 +18,7 @@ struct Tile {
   ///
   /// The box has a margin, so that the tile also holds the place where the way from a point to the light leaves the point's own
   /// surface. P is at most sqrt(3) / 2 * 2^-24 max|P| off that surface, and the way to a light 1 / 32 rad or more above it
-  /// takes 32 times as much: 28 * 2^-24 max|P| < 2^-18 max|P|. Where the light is lower, unresolved_points.h sees to it.
+  /// takes 32 times as much: 28 * 2^-24 max|P| < 2^-18 max|P|. Lower lights: unresolved_points.h.
   void add(const glm::dvec3& p, double largest_coordinate) {
     const double distance = glm::length(p);
     ++undecided;
@@ -73,8 +71,7 @@ class Pyramid {
     }
   }
   /// Calls visit(pixel) for the pixels of a tile of level 0.
-  template <class Visit>
-  void for_pixels(int column, int row, Visit&& visit) const {
+  void for_pixels(int column, int row, const auto& visit) const {
     for (int y = row * leaf; y < std::min(row * leaf + leaf, height_); ++y)
       for (int x = column * leaf; x < std::min(column * leaf + leaf, width_); ++x)
         visit(static_cast<std::size_t>(y) * width_ + x);

@@ -12,8 +12,7 @@ namespace gnomon::crow_counting {
 // Such a point P may have come out of a closed body again, of which only the half that faces the light counts: a triangle of
 // the other half then blocks its light, between P and the own triangle. And with a grazing light the way from P leaves the
 // plane of its own triangle far from P, under a triangle of the same plane that no way from the start to the neighbors of P
-// crosses. In both cases what matters is met on the beginning of the way to the light, up to that plane, so all casters near
-// it are asked.
+// crosses. In both cases only the beginning of the way to the light matters, up to that plane: all casters near it are tested.
 
 /// The way from a point behind its own triangle to the light, up to the triangle's plane and, for rounding, a little farther.
 struct SegmentToOwnPlane {
@@ -61,7 +60,7 @@ struct SegmentToOwnPlane {
   }
 };
 
-/// A point that all casters near the beginning of its way are asked about.
+/// A point for which all casters near the beginning of its way are tested.
 struct UnresolvedPoint {
   std::size_t pixel;
   std::int64_t depth;       ///< volumes that hold the point, its own ones included
@@ -72,7 +71,7 @@ struct UnresolvedPoint {
   std::int32_t behind = 0;  ///< triangles without a volume that block its light
 };
 
-/// Coarse cells of space that some boxes reach into: says of most others, quickly, that they meet none of these.
+/// Coarse cells of space into which some boxes reach: a quick test that most other boxes meet none of these.
 class ReachedCells {
  public:
   explicit ReachedCells(const Bounds& all)
@@ -93,8 +92,7 @@ class ReachedCells {
   glm::ivec3 cell(const glm::vec3& p) const {
     return glm::ivec3(glm::clamp((p - low_) * per_cell_, 0.0f, static_cast<float>(side - 1)));
   }
-  template <class Visit>
-  bool any(const Bounds& box, const Visit& visit) const {
+  bool any(const Bounds& box, const auto& visit) const {
     const glm::ivec3 from = cell(box.min), to = cell(box.max);
     for (int z = from.z; z <= to.z; ++z)
       for (int y = from.y; y <= to.y; ++y)
@@ -109,8 +107,8 @@ class ReachedCells {
 
 /// Finds `behind` of all points and `own` of those that are grazed, on all threads; `start` is what the volumes were counted
 /// from.
-inline void ask_casters(const Volumes& volumes, const OwnVolumes& own, const GBuffer& gbuffer, const glm::vec3& start,
-                        std::span<UnresolvedPoint> unresolved) {
+inline void test_casters(const Volumes& volumes, const OwnVolumes& own, const GBuffer& gbuffer, const glm::vec3& start,
+                         std::span<UnresolvedPoint> unresolved) {
   const EdgeAdjacency& adjacency = volumes.adjacency();
   const Silhouette& silhouette = volumes.silhouette();
   std::vector<Bounds> boxes;
@@ -126,7 +124,7 @@ inline void ask_casters(const Volumes& volumes, const OwnVolumes& own, const GBu
   const BoxTree tree(boxes);
   ReachedCells cells(all);
   for (const Bounds& box : boxes) cells.add(box);
-  const auto ask = [&](UnresolvedPoint& point, std::uint32_t t, const Triangle& triangle) {
+  const auto test = [&](UnresolvedPoint& point, std::uint32_t t, const Triangle& triangle) {
     const NumberedReceiver surface = own.surface(gbuffer, point.pixel);
     if (surface.is_own(t)) return;
     const bool is_coplanar = coplanar(adjacency.corners(surface.first_own), triangle.points);
@@ -146,7 +144,7 @@ inline void ask_casters(const Volumes& volumes, const OwnVolumes& own, const GBu
       const glm::vec3 middle = 0.5f * box.min + 0.5f * box.max;
       const double reach = extent(glm::max(glm::dvec3(box.max) - glm::dvec3(middle), glm::dvec3(middle) - glm::dvec3(box.min)));
       tree.any(SegmentSlabs(Segment{middle, glm::dvec4(middle, 1)}), reach, [&](std::uint32_t place) {
-        ask(unresolved[tree.order()[place]], static_cast<std::uint32_t>(t), triangle);
+        test(unresolved[tree.order()[place]], static_cast<std::uint32_t>(t), triangle);
         return false;
       });
     }

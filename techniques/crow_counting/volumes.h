@@ -55,17 +55,15 @@ class Volumes {
   const EdgeAdjacency& adjacency() const { return *adjacency_; }
   const Silhouette& silhouette() const { return silhouette_; }
 
-  struct Ends {
-    const glm::vec3 &low, &high;
-  };
-  Ends ends(std::size_t k) const {
+  /// Of the edge of a side quad: low, high.
+  std::pair<const glm::vec3&, const glm::vec3&> ends(std::size_t k) const {
     const SilhouetteEdge& edge = silhouette_.edges[k];
     return {adjacency_->positions()[edge.low], adjacency_->positions()[edge.high]};
   }
 
   /// By exact signs.
   Meeting meet(std::size_t k, const glm::vec3& from, const glm::vec3& to) const {
-    if (is_side(k)) return meet_side(from, to, ends(k).low, ends(k).high, silhouette_.light);
+    if (is_side(k)) return meet_side(from, to, ends(k).first, ends(k).second, silhouette_.light);
     return meet_cap(from, to, adjacency_->corners(cap(k)), silhouette_.light, silhouette_.facing[cap(k)]);
   }
 
@@ -85,10 +83,9 @@ class Volumes {
     const auto [low, high] = ends(k);
     const glm::dvec4& light = silhouette_.light;
     polygons_[k] = side_polygon(frame, low, high, light, silhouette_.edges[k].count);
-    const glm::dvec4 corners[] = {{frame.seen(low), 1},
-                                  {frame.seen(high), 1},
-                                  {frame.turned(extruded(low, light)), 0},
-                                  {frame.turned(extruded(high, light)), 0}};
+    const glm::dvec4 corners[] = {glm::dvec4(frame.seen(low), 1), glm::dvec4(frame.seen(high), 1),
+                                  glm::dvec4(frame.turned(extruded(low, light)), 0),
+                                  glm::dvec4(frame.turned(extruded(high, light)), 0)};
     outlines_[k] = outline_of(corners);
   }
   void make_cap(const Frame& frame, std::size_t k) {
@@ -110,9 +107,10 @@ class Volumes {
 /// triangles that kit/geometry/receiver.h leaves out.
 class OwnVolumes {
  public:
-  void build(const Scene& scene) {
+  /// Both arguments must outlive the volumes.
+  void build(const Scene& scene, const TriangleNumbers& numbers) {
     scene_ = &scene;
-    numbers_ = TriangleNumbers(scene);
+    numbers_ = &numbers;
     curved_.clear();
     for (const Mesh& mesh : scene.meshes) {
       curved_.emplace_back();
@@ -124,7 +122,7 @@ class OwnVolumes {
   }
 
   NumberedReceiver surface(const GBuffer& gbuffer, std::size_t i) const {
-    return numbers_.numbered(receiver_at(*scene_, gbuffer, i));
+    return numbers_->numbered(receiver_at(*scene_, gbuffer, i));
   }
 
   /// Whether the volume of a triangle holds the point, seen from the start that the volumes were counted from: where the way to
@@ -143,21 +141,21 @@ class OwnVolumes {
     return std::abs(turns) == 3;
   }
 
-  /// Calls visit(triangle) for those that hold the point; says whether the point lies behind the plane of its own triangle, as
-  /// the light sees it, so that there may be any. `near` are light caps that ways from the start to the point and its neighbors
-  /// may cross. A way from the lit side of the own triangle crosses its plane just before a point below it, so they hold every
-  /// coplanar triangle that matters, but for a grazing light (unresolved_points.h); from any other start all caps are asked.
-  template <class Visit>
+  /// Calls visit(triangle) for those that hold the point. Returns whether the point lies behind the plane of its own triangle,
+  /// as the light sees it, so that there may be any. `near` are light caps that ways from the start to the point and its
+  /// neighbors may cross. A way from the lit side of the own triangle crosses its plane just before a point below it, so they
+  /// contain every coplanar triangle that matters, except under a grazing light (unresolved_points.h). From any other start all
+  /// caps are tested.
   bool for_holding(const Volumes& volumes, const NumberedReceiver& surface, const glm::vec3& start,
-                   std::span<const std::uint32_t> near, Visit&& visit) const {
+                   std::span<const std::uint32_t> near, const auto& visit) const {
     const glm::dvec4& light = volumes.silhouette().light;
-    const auto ask = [&](std::uint32_t triangle) {
+    const auto test = [&](std::uint32_t triangle) {
       if (holds(volumes, triangle, surface.point, start)) visit(triangle);
     };
     if (!surface.has_triangle()) {
       const BoxTree& tree = curved_[surface.mesh];
       tree.any(SegmentSlabs(Segment{surface.point, light}), 0, [&](std::uint32_t place) {
-        ask(surface.first_own + tree.order()[place]);
+        test(surface.first_own + tree.order()[place]);
         return false;
       });
       return false;
@@ -167,9 +165,9 @@ class OwnVolumes {
     // From the plane itself or the light's side of it, no way to the light crosses the plane.
     const int of_light = orient3d_sign(p[0], p[1], p[2], light);
     if (orient3d_sign(p[0], p[1], p[2], surface.point) * of_light >= 0) return false;
-    ask(surface.first_own);
+    test(surface.first_own);
     for (const std::uint32_t triangle : orient3d_sign(p[0], p[1], p[2], start) == of_light ? near : volumes.caps())
-      if (!surface.is_own(triangle) && coplanar(own, volumes.adjacency().corners(triangle).points)) ask(triangle);
+      if (!surface.is_own(triangle) && coplanar(own, volumes.adjacency().corners(triangle).points)) test(triangle);
     return true;
   }
 
@@ -185,14 +183,14 @@ class OwnVolumes {
   }
 
   std::size_t bytes() const {
-    std::size_t sum = bytes_of(curved_) + numbers_.bytes();
+    std::size_t sum = bytes_of(curved_);
     for (const BoxTree& tree : curved_) sum += tree.bytes();
     return sum;
   }
 
  private:
   const Scene* scene_ = nullptr;
-  TriangleNumbers numbers_;
+  const TriangleNumbers* numbers_ = nullptr;
   std::vector<BoxTree> curved_;  // of each mesh with an exact curved shape
 };
 

@@ -8,7 +8,7 @@ namespace gnomon::crow_counting {
 
 inline constexpr std::uint32_t no_polygon = 0xffffffffu;
 
-/// What a pixel was found to be.
+/// The counts of a pixel.
 struct PixelCount {
   std::int32_t depth = 0;              ///< volumes that hold the point, its own ones left out
   std::uint32_t crossings = 0;         ///< polygons met on the way, its own ones left out
@@ -112,7 +112,7 @@ class WayCounter {
     std::vector<MetPolygon> met[tile_size];
     std::vector<UnresolvedPoint>* unresolved;  ///< of the tile of the top level
   };
-  /// A pixel of a tile while its polygons are looked for.
+  /// A pixel of a tile while its polygons are searched.
   struct Query {
     std::size_t pixel;
     glm::dvec3 seen;  ///< the point in the frame of the start
@@ -135,7 +135,7 @@ class WayCounter {
     pyramid_.join();
   }
 
-  /// Hands each tile of a tile the polygons that it does not miss, down to the smallest.
+  /// Passes the polygons that a tile does not miss on to the tiles in it, down to the smallest.
   CountingWork descend(int level, int x, int y, std::span<const std::uint32_t> polygons, Scratch& scratch) {
     const Tile& tile = pyramid_.level(level).at(x, y);
     if (tile.undecided == 0) return {};
@@ -206,7 +206,7 @@ class WayCounter {
     met.push_back({std::isfinite(share) ? share : 1.0, p, polygon.step});
   }
 
-  /// The count front to back; says whether the point is in shadow.
+  /// The count front to back. Returns whether the point is in shadow.
   bool walk(const Query& query, std::vector<MetPolygon>& met, const Scratch& scratch, CountingWork& work) {
     std::ranges::sort(met, [](const MetPolygon& one, const MetPolygon& other) {
       return one.share != other.share ? one.share < other.share : one.polygon < other.polygon;
@@ -225,8 +225,8 @@ class WayCounter {
     return conclude(query.pixel, depth, crossings, depth > 0 ? count_own(query, depth, crossings, scratch) : 0);
   }
 
-  /// The volumes of the triangle that the point lies on, which do not count: a point rounded to below it is in them. Notes a
-  /// doubt where that takes more than the caps of the tile.
+  /// The volumes of the triangle that the point lies on, which do not count: a point rounded to below it is in them. Records
+  /// the point as unresolved where the caps of the tile do not decide.
   std::int64_t count_own(const Query& query, std::int64_t depth, std::uint32_t crossings, const Scratch& scratch) const {
     const NumberedReceiver surface = own_->surface(*gbuffer_, query.pixel);
     const auto segment = [&] {
@@ -247,19 +247,19 @@ class WayCounter {
     return own;
   }
 
-  /// Says whether the point is in shadow.
+  /// Returns whether the point is in shadow.
   bool conclude(std::size_t pixel, std::int64_t depth, std::uint32_t crossings, std::int64_t own) {
     found_[pixel].depth = static_cast<std::int32_t>(depth - own);
     found_[pixel].crossings = crossings - static_cast<std::uint32_t>(std::clamp<std::int64_t>(own, 0, crossings));
     return depth > own;
   }
 
-  /// Decides the points in doubt anew.
+  /// Decides the unresolved points.
   void settle(std::span<const std::vector<UnresolvedPoint>> unresolved) {
     std::vector<UnresolvedPoint> all;
     for (const std::vector<UnresolvedPoint>& some : unresolved) all.insert(all.end(), some.begin(), some.end());
     if (all.empty()) return;
-    ask_casters(*volumes_, *own_, *gbuffer_, frame_.start, all);
+    test_casters(*volumes_, *own_, *gbuffer_, frame_.start, all);
     for (const UnresolvedPoint& d : all)
       mask_[d.pixel] = conclude(d.pixel, d.depth + d.behind, d.crossings, d.own) ? 0.0f : 1.0f;
   }

@@ -1,6 +1,6 @@
 """Blender's Cycles as a shadow technique: the mask is the ratio of a rendering with cast shadows to one without.
 
-A process of Blender runs beside this one and is told what to render (blender_side.py). Lights without area take one ray a pixel; lights
+A process of Blender runs beside this one and renders what it requests (blender_side.py). Lights without area take one ray a pixel; lights
 with area take `samples` paths of one bounce, so what is estimated is the share of the irradiance. The time of a resolve is
 that of tracing the picture with shadows; what Blender does before it (taking the scene over, its tree) is the count `sync`.
 """

@@ -40,11 +40,10 @@ class Renderer:
         diffuse, output = nodes.new("ShaderNodeBsdfDiffuse"), nodes.new("ShaderNodeOutputMaterial")
         diffuse.inputs["Color"].default_value = (1, 1, 1, 1)
         self.white.node_tree.links.new(diffuse.outputs[0], output.inputs["Surface"])
-        camera = bpy.data.cameras.new("camera")
-        self.camera = bpy.data.objects.new("camera", camera)
+        self.camera = bpy.data.objects.new("camera", bpy.data.cameras.new("camera"))
         self.scene.collection.objects.link(self.camera)
         self.scene.camera = self.camera
-        self.steps = []  # when Blender told of each step of a render
+        self.steps = []  # when Blender reported each step of a render
         bpy.app.handlers.render_stats.append(lambda *_: self.steps.append(time.perf_counter()))
 
     def build(self, corners, meshes):
@@ -119,7 +118,7 @@ class Renderer:
         return {"trace_ms": 1000 * (end - start), "sync_ms": 1000 * (start - said[0][1])}
 
     def render(self):
-        """Renders, and tells what Blender said of its steps and when: it prints each to standard output as it calls the handler."""
+        """Renders, and returns the lines on its steps and when Blender wrote them: it prints each to standard output as it calls the handler."""
         self.steps.clear()
         place = self.folder / "steps.txt"
         with open(place, "w", encoding="utf-8") as file:

@@ -2,7 +2,7 @@
 
 Each mesh of the scene is an entity of a material that is white by its own light (white.material), so that what is lit is white under
 every light and no normal matters. OGRE's additive shadows draw all black first, then white once for the light: where the stencil
-counts nothing, or multiplied by the shadow texture; depths are compared by the material's own program, as OGRE asks of its users. The
+counts nothing, or multiplied by the shadow texture; depths are compared by the material's own program, as OGRE expects of its users. The
 picture is the mask. Frames are drawn to a texture of the picture's size and end by glFinish.
 """
 
@@ -210,7 +210,7 @@ class OgreShadows(Engine):
         self.view.setOverlaysEnabled(False)
 
     def map_shadows(self, camera):
-        """A new shadow texture and its camera, which know of no other view."""
+        """A new shadow texture and its camera, which keep nothing of another view."""
         Ogre, settings = self.ogre, self.settings
         by_depth = settings.compares == "depth"
         self.manager.setShadowTechnique(Ogre.SHADOWTYPE_NONE)

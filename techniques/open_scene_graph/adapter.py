@@ -1,7 +1,7 @@
 """OpenSceneGraph as a shadow technique: the shadow maps of osgShadow, drawn by gnomon_open_scene_graph (renderer.cpp), a program beside gnomon.
 
-Meshes are white, their normals point to the one light, without ambient, so that all that is lit is alike; osgShadow multiplies what a map says to the light's color, which is black in
-shadow then. The mask is the ratio of the frame with shadows to one without. Frames are drawn to a texture of the picture's size.
+Meshes are white, their normals point to the one light, and there is no ambient light: so all that is lit is alike. osgShadow multiplies the light's color by what a map says: shadows
+are black. The mask is the ratio of the frame with shadows to one without. Frames are drawn to a texture of the picture's size.
 """
 
 from pathlib import Path
@@ -10,6 +10,7 @@ import numpy as np
 from gnomon_engine import Awaited, Child, Engine, is_closed, require_version
 from gnomon_technique import serve
 
+OF_MESHES = ("first_vertex", "vertices", "triangles", "casts", "receives")
 ALL_ROUND_DEGREES = 180  # OpenGL's cutoff of a light without a cone
 
 
@@ -39,14 +40,7 @@ class OpenSceneGraphShadows(Engine):
     def load(self, scene):
         self.triangle, self.vertices = np.asarray(scene.triangle), len(scene.position)
         meshes = [
-            {
-                "first_vertex": mesh.first_vertex,
-                "vertices": mesh.vertices,
-                "triangles": mesh.triangles,
-                "casts": mesh.casts,
-                "receives": mesh.receives,
-                "is_closed": end > first and is_closed(self.corners[first:end]),
-            }
+            {key: getattr(mesh, key) for key in OF_MESHES} | {"is_closed": end > first and is_closed(self.corners[first:end])}
             for mesh, (first, end) in zip(scene.meshes, self.ranges)
         ]
         self.child.ask(do="load", position=self.file("position", scene.position), triangle=self.file("triangle", scene.triangle), meshes=meshes)
@@ -54,18 +48,16 @@ class OpenSceneGraphShadows(Engine):
     def place_light(self, light):
         normal = np.zeros((self.vertices, 3), np.float32)
         normal[self.triangle] = self.to_light()
-        placed = {"kind": light.kind, "cutoff_degrees": ALL_ROUND_DEGREES}
+        placed = {"kind": light.kind, "cutoff_degrees": light.outer_degrees if light.kind == "spot" else ALL_ROUND_DEGREES}
         if light.kind != "directional":
             placed["position"] = light.position.tolist()
-        if light.kind == "spot":
-            placed["cutoff_degrees"] = light.outer_degrees
         aim = light.direction if light.kind != "point" else self.center() - light.position
         length = np.linalg.norm(aim)
         placed["aim"] = (aim / length).tolist() if length > 0 else [0, -1, 0]
         self.child.ask(do="relight", light=placed, normal=self.file("normal", normal))
 
     def center(self):
-        """Of the box around all casters, at which osgShadow aims by itself where it is told no direction."""
+        """Of the box around all casters, at which osgShadow aims by itself where it is given no direction."""
         points = self.corners[self.casts].reshape(-1, 3).astype(float)
         return (points.min(axis=0) + points.max(axis=0)) / 2 if len(points) else np.zeros(3)
 
@@ -73,9 +65,8 @@ class OpenSceneGraphShadows(Engine):
         eye = {"eye": camera.eye.tolist(), "target": (camera.eye + camera.forward).tolist(), "up": camera.up.tolist()}
         lens = {"fov_y_degrees": camera.fov_y_degrees, "aspect": camera.aspect, "near": float(camera.near), "far": float(camera.far)}
         picture = Awaited(self.folder, "open_scene_graph_picture")
-        settings = dict(vars(self.settings))
-        if self.light.kind != "directional":
-            settings["light_margin"] = 0  # osgShadow measures it along the light's axis, past the light where it is near
+        # osgShadow measures light_margin along the light's axis, past the light where it is near.
+        settings = vars(self.settings) | ({} if self.light.kind == "directional" else {"light_margin": 0})
         answer = self.child.ask(do="frame", width=width, height=height, shadows=shadows, settings=settings, picture=str(picture.path), **eye, **lens)
         return picture.array(np.uint8, height, width)[::-1], answer["ms"]
 

@@ -1,54 +1,94 @@
 #pragma once
-#include <gnomon/kit/geometry/beam.h>
-#include <gnomon/kit/geometry/box_tree.h>
-#include <gnomon/kit/geometry/edges.h>
-#include <gnomon/kit/geometry/receiver.h>
+#include <gnomon/kit/geometry/casting_triangles.h>
+#include <gnomon/kit/geometry/sure_sign.h>
+
+#include <cmath>
+#include <optional>
+#include <vector>
 
 namespace gnomon::penumbra_wedge {
 
-/// The casting triangles of a scene in a tree, and what joins them. Built once per scene, which must outlive it. Queries may
-/// run on many threads.
-class Casters {
+/// The casting triangles of a scene as layers before a light.
+class Casters : public CastingTriangles {
  public:
   Casters() = default;
-  explicit Casters(const Scene& scene);
-
-  const Scene& scene() const { return *scene_; }
-  const TriangleNumbers& numbers() const { return numbers_; }
-  const EdgeAdjacency& adjacency() const { return adjacency_; }
-  double extent() const { return extent_; }
-  const glm::vec3& position(std::uint32_t vertex) const { return adjacency_.positions()[vertex]; }
-  /// Corner of a triangle: the first vertex at its position.
-  std::uint32_t vertex(std::uint32_t triangle, int k) const {
-    return adjacency_.first_at_position()[adjacency_.triangles()[triangle][k]];
+  explicit Casters(const Scene& scene) : CastingTriangles(scene), extent_(scene.bounds().extent()) {
+    constexpr std::uint32_t unknown = no_mesh - 1;
+    part_mesh_.assign(adjacency().parts().size(), unknown);
+    std::uint32_t mesh = 0;
+    for (std::uint32_t t = 0; t < adjacency().triangles().size(); ++t) {
+      while (t >= numbers().end_of(mesh)) ++mesh;
+      const std::uint32_t part = adjacency().part_of()[t];
+      if (part != EdgeAdjacency::no_part)
+        part_mesh_[part] = part_mesh_[part] == unknown || part_mesh_[part] == mesh ? mesh : no_mesh;
+    }
   }
+
+  double extent() const { return extent_; }
   /// The mesh whose triangles a part consists of; no_mesh where it has those of several.
   std::uint32_t mesh_of_part(std::uint32_t part) const { return part_mesh_[part]; }
 
-  bool has_triangles(const Silhouette& silhouette, const Beam& beam) const;
-  /// Triangles of a silhouette whose box meets a box, in order.
-  void find_triangles(const Silhouette& silhouette, const Bounds& box, std::vector<std::uint32_t>& found) const;
-
   /// Layers of a silhouette's surface between a receiver and a place of the light, `to` from its point; those that the place
   /// sees from behind, as the silhouette's light does not, count -1. Nothing where double cannot tell. `any`: one is enough.
-  /// `hint`: a triangle to be asked first, and the last one that was crossed.
+  /// `hint`: a triangle to test first, and the last one that was crossed.
   std::optional<int> layers(const Silhouette& silhouette, const NumberedReceiver& receiver, const glm::dvec3& to, bool any,
-                            std::uint32_t& hint) const;
-  std::size_t bytes() const;
+                            std::uint32_t& hint) const {
+    int sum = 0, side = 0;
+    if (any && hint < silhouette.facing.size() && silhouette.facing[hint] != 0 &&
+        crosses(receiver, hint, to, side) == Crossed::yes)
+      return 1;
+    bool is_unsure = false;
+    any_on_way(receiver.point, to, [&](std::uint32_t triangle) {
+      const int facing = silhouette.facing[triangle];
+      if (facing == 0) return false;
+      const Crossed one = crosses(receiver, triangle, to, side);
+      is_unsure |= one == Crossed::unsure;
+      if (one != Crossed::yes) return false;
+      hint = triangle;
+      sum += facing * side;
+      return any;
+    });
+    if (is_unsure && !(any && sum != 0)) return std::nullopt;
+    return any && sum != 0 ? 1 : sum;
+  }
+  std::size_t bytes() const { return CastingTriangles::bytes() + bytes_of(part_mesh_); }
 
  private:
   enum class Crossed { no, yes, unsure };
-  Crossed crosses(const NumberedReceiver& receiver, std::uint32_t triangle, const glm::dvec3& to, int& side) const;
+  // As in crosses() of kit/geometry/exact.h, with the point at the origin.
+  Crossed crosses(const NumberedReceiver& receiver, std::uint32_t triangle, const glm::dvec3& to, int& side) const {
+    const Triangle corners = adjacency().corners(triangle);
+    const glm::dvec3 p = receiver.point, u = glm::dvec3(corners.points[0]) - p, v = glm::dvec3(corners.points[1]) - p,
+                     w = glm::dvec3(corners.points[2]) - p;
+    double uv = 0, vw = 0, wu = 0, volume = 0;
+    const int ab = sure_sign(u, v, to, uv), bc = sure_sign(v, w, to, vw);
+    if (ab * bc < 0) return Crossed::no;
+    const int ca = sure_sign(w, u, to, wu);
+    if (ab * ca < 0 || bc * ca < 0) return Crossed::no;
+    side = sure_sign(u, v, w, volume);
+    // The way is met at volume / (uv + vw + wu) of it; at its end the light begins.
+    const double sum = uv + vw + wu;
+    if (side != 0 && ab + bc + ca != 0 && (side * (ab + bc + ca) < 0 || std::abs(volume) >= std::abs(sum) * (1 - 0x1p-40)))
+      return Crossed::no;
+    if (receiver.leaves_out(scene(), triangle, corners.points) || is_beside(receiver, triangle, volume)) return Crossed::no;
+    // A plane through the point is seen edge-on.
+    if (side == 0 && orient3d_sign(corners.points[0], corners.points[1], corners.points[2], receiver.point) == 0)
+      return Crossed::no;
+    return side == 0 || ab * bc * ca == 0 ? Crossed::unsure : Crossed::yes;
+  }
   /// Whether rounding alone tells the receiver's point from a triangle beside its own.
-  bool is_beside(const NumberedReceiver& receiver, std::uint32_t triangle, double volume) const;
+  bool is_beside(const NumberedReceiver& receiver, std::uint32_t triangle, double volume) const {
+    if (!receiver.has_triangle()) return false;
+    bool is_neighbor = false;
+    for (int k = 0; k < 3; ++k)
+      for (int j = 0; j < 3; ++j) is_neighbor |= vertex(triangle, k) == vertex(receiver.first_own, j);
+    if (!is_neighbor) return false;
+    const double height = std::abs(volume) / glm::length(adjacency().corners(triangle).normal());
+    return height <= 0x1p-21 * (gnomon::extent(receiver.point) + gnomon::extent(position(vertex(triangle, 0))));
+  }
 
-  const Scene* scene_ = nullptr;
   double extent_ = 0;
-  TriangleNumbers numbers_;
-  EdgeAdjacency adjacency_;
   std::vector<std::uint32_t> part_mesh_;
-  BoxTree tree_;
-  std::vector<std::uint32_t> triangles_;  // in the order of the tree
 };
 
 }  // namespace gnomon::penumbra_wedge

@@ -1,6 +1,9 @@
 #include "coverage.h"
 
+#include <gnomon/kit/geometry/sure_sign.h>
+
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 
 namespace gnomon::penumbra_wedge {
@@ -8,18 +11,68 @@ namespace gnomon::penumbra_wedge {
 namespace {
 
 /// Inside is on the left of the way from a to b.
-PlaceLine line_through(const glm::dvec2& a, const glm::dvec2& b, double side) {
+glm::dvec3 line_through(const glm::dvec2& a, const glm::dvec2& b, double side) {
   const glm::dvec2 way = b - a;
-  return side * PlaceLine(way.y * a.x - way.x * a.y, -way.y, way.x);
+  return side * glm::dvec3(way.y * a.x - way.x * a.y, -way.y, way.x);
+}
+
+double angle_between(const glm::dvec2& a, const glm::dvec2& b) { return std::atan2(cross(a, b), glm::dot(a, b)); }
+
+/// Twice the signed area that the triangle of the origin, a and b has in the unit disc: sectors where the way from a to b is
+/// outside, a triangle where it is inside.
+double twice_in_disc(const glm::dvec2& a, const glm::dvec2& b) {
+  const glm::dvec2 way = b - a;
+  const double square = glm::dot(way, way), along = glm::dot(a, way), root = along * along - square * (glm::dot(a, a) - 1);
+  if (square == 0) return 0;
+  if (root <= 0) return angle_between(a, b);
+  const double half = std::sqrt(root), enter = (-along - half) / square, leave = (-along + half) / square;
+  if (enter >= 1 || leave <= 0) return angle_between(a, b);
+  const glm::dvec2 from = enter > 0 ? a + enter * way : a, to = leave < 1 ? a + leave * way : b;
+  return (enter > 0 ? angle_between(a, from) : 0) + cross(from, to) + (leave < 1 ? angle_between(to, b) : 0);
 }
 
 }  // namespace
 
+Figure::Figure(const LightFigure& figure)
+    : corners_{{{-1, -1}, {1, -1}, {1, 1}, {-1, 1}}}, count_(4), is_disc_(figure.is_disc()) {
+  clip(figure.horizon());
+}
+
+void Figure::clip(const glm::dvec3& line) {
+  std::array<double, most_corners> at;
+  bool is_inside = true;
+  for (int k = 0; k < count_; ++k) {
+    at[k] = line_at(line, corners_[k]);
+    is_inside &= at[k] >= 0;
+  }
+  if (is_inside) return;
+  assert(count_ < most_corners);
+  const std::array<glm::dvec2, most_corners> whole = corners_;
+  int kept = 0;
+  for (int k = 0; k < count_; ++k) {
+    const int next = k + 1 < count_ ? k + 1 : 0;
+    if (at[k] >= 0) corners_[kept++] = whole[k];
+    if ((at[k] > 0 && at[next] < 0) || (at[k] < 0 && at[next] > 0))
+      corners_[kept++] = whole[k] + at[k] / (at[k] - at[next]) * (whole[next] - whole[k]);
+  }
+  count_ = kept;
+}
+
+double Figure::area() const {
+  if (count_ < 3) return 0;
+  double twice = 0;
+  for (int k = 0; k < count_; ++k) {
+    const glm::dvec2 &a = corners_[k], &b = corners_[k + 1 < count_ ? k + 1 : 0];
+    twice += is_disc_ ? twice_in_disc(a, b) : cross(a - corners_[0], b - corners_[0]);
+  }
+  return std::max(twice / 2, 0.0);
+}
+
 /// A way d is w * (center + s * half_u + t * half_v): the inverse of the matrix with these columns, by cross products.
-void Coverage::set(const LightFigure& face) {
-  seen_.emplace(face);
+void Coverage::set(const LightFigure& figure) {
+  seen_.emplace(figure);
   area_ = seen_->area();
-  const glm::dvec3 &u = face.half_u(), &v = face.half_v(), &c = face.center();
+  const glm::dvec3 &u = figure.half_u(), &v = figure.half_v(), &c = figure.center();
   const glm::dvec3 axis = glm::cross(u, v);
   const double volume = glm::dot(axis, c);
   s_ = glm::cross(v, c) / volume;
@@ -28,10 +81,10 @@ void Coverage::set(const LightFigure& face) {
   turn_ = volume > 0 ? 1 : -1;
 }
 
-void Coverage::start(const LightFigure& face, const glm::dvec2& base) {
+void Coverage::start(const LightFigure& figure, const glm::dvec2& base) {
   regions_.clear();
   base_ = base;
-  to_base_ = face.at(base);
+  to_base_ = figure.at(base);
 }
 
 Coverage::Projected Coverage::project(const glm::dvec3& to) const {
@@ -58,12 +111,7 @@ bool Coverage::add_edge(const Projected& a, const Projected& b, int count) {
   const int side = turn_ * sure_sign(a.to, b.to, to_base_, volume);
   // An edge in line with the point has no width.
   if (side == 0) return glm::length(glm::cross(a.to, b.to)) <= 0x1p-45 * glm::length(a.to) * glm::length(b.to);
-  if (a.is_beyond)
-    add_region(cut(a, b), b, side, count);
-  else if (b.is_beyond)
-    add_region(a, cut(a, b), side, count);
-  else
-    add_region(a, b, side, count);
+  add_region(a.is_beyond ? cut(a, b) : a, b.is_beyond ? cut(a, b) : b, side, count);
   return true;
 }
 
@@ -96,10 +144,7 @@ void Coverage::add_region(Projected a, Projected b, int side, int count) {
       if (at_a >= 0 && at_b >= 0) continue;
       const double share = at_a / (at_a - at_b);
       Projected& out = at_a < 0 ? a : b;
-      const double x = a.x + share * (b.x - a.x), y = a.y + share * (b.y - a.y), w = a.w + share * (b.w - a.w);
-      out.x = x;
-      out.y = y;
-      out.w = w;
+      out = {out.to, a.x + share * (b.x - a.x), a.y + share * (b.y - a.y), a.w + share * (b.w - a.w), out.is_beyond};
     }
   }
   if (!(a.w > 0 && b.w > 0)) return;
@@ -125,7 +170,7 @@ double Coverage::mean() const {
 int Coverage::at(const glm::dvec2& place) const {
   int layers = 0;
   for (const Region& region : regions_)
-    if (std::ranges::all_of(region.lines, [&](const PlaceLine& line) { return line_at(line, place) >= 0; }))
+    if (std::ranges::all_of(region.lines, [&](const glm::dvec3& line) { return line_at(line, place) >= 0; }))
       layers += region.layers;
   return layers;
 }

@@ -1,17 +1,35 @@
 #pragma once
-#include <gnomon/kit/geometry/sure_sign.h>
+#include <gnomon/kit/area/light_figure.h>
 
+#include <array>
 #include <optional>
 #include <vector>
 
-#include "figure.h"
-
 namespace gnomon::penumbra_wedge {
 
-/// How many layers of casters lie before the places of a light, as one point sees them: known at a base, and from there by the
-/// edges of an outline. An edge lies behind the way from the base to a place of its region: the part of the light within the
-/// two lines from the base through the edge's ends, and past the edge. There are as many layers more as the edge counts. So the
-/// mean over the light is closed form: each region is convex.
+inline double cross(const glm::dvec2& a, const glm::dvec2& b) { return a.x * b.y - a.y * b.x; }
+
+/// A convex part of the square around a light's figure, by few lines. Inside of a line is where line_at() >= 0. Allocates
+/// nothing.
+class Figure {
+ public:
+  /// What the point's horizon leaves.
+  explicit Figure(const LightFigure& figure);
+  void clip(const glm::dvec3& line);
+  /// Of what lies on the light, in places: a whole rectangle has 4, a disc pi. Closed form.
+  double area() const;
+
+ private:
+  static constexpr int most_corners = 12;  // four of the square, one more for each line
+  std::array<glm::dvec2, most_corners> corners_;
+  int count_ = 0;
+  bool is_disc_ = false;
+};
+
+/// How many layers of casters lie before the places of a light, as one point sees them: counted at a base, and from there by
+/// the edges of an outline. An edge lies behind the way from the base to a place of its region: the part of the light within
+/// the two lines from the base through the edge's ends, and past the edge. There are as many layers more as the edge counts. So
+/// the mean over the light is closed form: each region is convex.
 class Coverage {
  public:
   /// A vertex on its way to the light's plane: (x, y) times w is its place; at w = 0 it is beside the point, at w = 1 in the
@@ -22,9 +40,9 @@ class Coverage {
     bool is_beyond;  ///< in the light's plane, or behind it
   };
 
-  void set(const LightFigure& face);
+  void set(const LightFigure& figure);
   /// Starts anew with another base, a place of the light.
-  void start(const LightFigure& face, const glm::dvec2& base);
+  void start(const LightFigure& figure, const glm::dvec2& base);
   Projected project(const glm::dvec3& to) const;
 
   /// A directed edge: as the light sees it, `count` layers more lie on its left. Only what is before the light's plane counts.
@@ -42,7 +60,7 @@ class Coverage {
 
  private:
   struct Region {
-    PlaceLine lines[3];
+    glm::dvec3 lines[3];
     int layers;
   };
   static Projected cut(const Projected& a, const Projected& b);

@@ -7,21 +7,21 @@ namespace gnomon::penumbra_wedge {
 
 namespace {
 
-/// The light's center, where it stands clear of the horizon, else a place half as high over it as the light's highest one: a
+/// The light's center, where it is clear of the horizon, else a place half as high over it as the light's highest one: a
 /// way along the own surface may meet what is beside the point.
-glm::dvec2 first_base(const LightFigure& face) {
-  const glm::dvec3& horizon = face.horizon();
+glm::dvec2 first_base(const LightFigure& figure) {
+  const glm::dvec3& horizon = figure.horizon();
   const double rise = std::abs(horizon.y) + std::abs(horizon.z);
   if (4 * horizon.x > horizon.x + rise) return {0, 0};
   return (rise - horizon.x) / (2 * rise) * glm::sign(glm::dvec2(horizon.y, horizon.z));
 }
 
 /// Then places spread evenly over what is seen (Roberts 2018), as long as they are on the light.
-std::optional<glm::dvec2> base_of(const LightFigure& face, int attempt) {
+std::optional<glm::dvec2> base_of(const LightFigure& figure, int attempt) {
   const auto part = [&](double step) { return std::fmod(0.5 + attempt * step, 1.0); };
-  const glm::dvec2 square(part(0.7548776662466927), part(0.5698402909980532)), size = face.box().high - face.box().low;
-  const glm::dvec2 place = attempt == 0 ? first_base(face) : face.box().low + square * size;
-  return face.holds(place) ? std::optional(place) : std::nullopt;
+  const glm::dvec2 square(part(0.7548776662466927), part(0.5698402909980532));
+  const glm::dvec2 place = attempt == 0 ? first_base(figure) : figure.box().at(square);
+  return figure.holds(place) ? std::optional(place) : std::nullopt;
 }
 
 }  // namespace
@@ -36,7 +36,7 @@ void PointQuery::start(const Casters& casters, const Outline& outline, const Pix
   Beam beam(points.box, outline.hull.box);
   if (points.above) beam.cut_below(points.above->normal, points.above->height);
   now.wedges.clear();
-  now.is_empty = !casters.has_triangles(outline.silhouette, beam);
+  now.is_empty = !casters.any_in(beam, [&](std::uint32_t triangle) { return outline.silhouette.facing[triangle] != 0; });
   if (!now.is_empty) outline.wedges.find(beam, points.box, now.wedges);
 }
 
@@ -47,14 +47,14 @@ void PointQuery::narrow(std::size_t level, const PixelGroup& points) {
   outline_->wedges.narrow(points.box, levels_[level - 1].wedges, levels_[level].wedges);
 }
 
-double PointQuery::share(const NumberedReceiver& receiver, const LightFigure& face, Tally& tally) {
+double PointQuery::share(const NumberedReceiver& receiver, const LightFigure& figure, Tally& tally) {
   ++tally.points;
   const Level& level = levels_[level_];
   held_.clear();
   at_base_ = 0;
-  coverage_.set(face);
+  coverage_.set(figure);
   if (level.is_empty) {
-    coverage_.start(face, {0, 0});
+    coverage_.start(figure, {0, 0});
     return 1;
   }
   tally.tests += level.wedges.size();
@@ -64,12 +64,12 @@ double PointQuery::share(const NumberedReceiver& receiver, const LightFigure& fa
   // Where no base will do the point lies in the plane of everything, and the last one has to.
   constexpr int attempts = 32;
   for (int attempt = 0; attempt < attempts; ++attempt)
-    if (const auto base = base_of(face, attempt); base && try_base(receiver, face, *base, tally)) break;
+    if (const auto base = base_of(figure, attempt); base && try_base(receiver, figure, *base, tally)) break;
   return std::clamp(1 - (at_base_ + coverage_.mean()), 0.0, 1.0);
 }
 
-bool PointQuery::try_base(const NumberedReceiver& receiver, const LightFigure& face, const glm::dvec2& base, Tally& tally) {
-  coverage_.start(face, base);
+bool PointQuery::try_base(const NumberedReceiver& receiver, const LightFigure& figure, const glm::dvec2& base, Tally& tally) {
+  coverage_.start(figure, base);
   ++tally.rays;
   const bool is_alone = held_.empty() && outline_->crossing.empty();
   const auto layers = casters_->layers(outline_->silhouette, receiver, coverage_.to_base(), is_alone, hint_);

@@ -10,7 +10,7 @@ namespace gnomon::penumbra_wedge {
 
 /// Work of a resolve.
 struct Tally {
-  std::uint64_t points = 0;         ///< asked
+  std::uint64_t points = 0;         ///< queried
   std::uint64_t rays = 0;           ///< ways to a base
   std::uint64_t tests = 0;          ///< of a point against a wedge
   std::uint64_t contributions = 0;  ///< wedges that held their point
@@ -19,7 +19,7 @@ struct Tally {
   }
 };
 
-/// What is known of a light before any point asks.
+/// What a light has of its own, the same for all points.
 struct Outline {
   Silhouette silhouette;  ///< from the light's center
   LightHull hull;
@@ -37,8 +37,8 @@ class PointQuery {
   std::size_t wedge_count() const { return levels_[level_].wedges.size(); }
 
   /// The share that the outline leaves of the light: what is seen at the base, and what every wedge adds to it or takes from
-  /// it. `face` must be seen.
-  double share(const NumberedReceiver& receiver, const LightFigure& face, Tally& tally);
+  /// it. `figure` must be seen.
+  double share(const NumberedReceiver& receiver, const LightFigure& figure, Tally& tally);
 
   // Of the last point:
   std::size_t holding_count() const { return held_.size(); }
@@ -51,7 +51,7 @@ class PointQuery {
     std::vector<std::uint32_t> wedges;
   };
   /// Finds the layers at a base and adds the regions of all edges; false where double cannot tell all signs.
-  bool try_base(const NumberedReceiver& receiver, const LightFigure& face, const glm::dvec2& base, Tally& tally);
+  bool try_base(const NumberedReceiver& receiver, const LightFigure& figure, const glm::dvec2& base, Tally& tally);
   bool add_wedges(const NumberedReceiver& receiver);
   bool add_crossing(const NumberedReceiver& receiver);
 

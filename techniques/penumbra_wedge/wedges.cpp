@@ -1,5 +1,6 @@
 #include "wedges.h"
 
+#include <gnomon/kit/area/light_shape.h>
 #include <gnomon/kit/geometry/across.h>
 #include <gnomon/kit/parallel.h>
 
@@ -90,6 +91,24 @@ class Maker {
 };
 
 }  // namespace
+
+LightHull hull_of(const Light& light) {
+  const LightShape shape(light);
+  LightHull hull{.corners = {shape.center}, .center = shape.center, .box = {}};
+  if (shape.is_flat())
+    hull.corners = shape.corners(16);
+  else
+    hull.radius = shape.radius;
+  glm::dvec3 low = hull.center, high = hull.center;
+  for (const glm::dvec3& corner : hull.corners) {
+    low = glm::min(low, corner);
+    high = glm::max(high, corner);
+  }
+  const double more = hull.radius + 0x1p-21 * (extent(hull.center) + extent(high - low) + hull.radius);
+  hull.box.add(glm::vec3(low - more));
+  hull.box.add(glm::vec3(high + more));
+  return hull;
+}
 
 void Wedges::make(const EdgeAdjacency& adjacency, const Silhouette& silhouette, const LightHull& light, double scene_extent) {
   std::vector<Bounds> boxes(silhouette.edges.size());

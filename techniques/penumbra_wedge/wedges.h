@@ -2,12 +2,23 @@
 #include <gnomon/kit/geometry/beam.h>
 #include <gnomon/kit/geometry/box_tree.h>
 #include <gnomon/kit/geometry/edges.h>
+#include <gnomon/light.h>
 
 #include <span>
-
-#include "light_hull.h"
+#include <vector>
 
 namespace gnomon::penumbra_wedge {
+
+/// A convex body that holds a light with area: all that is within a radius of the hull of some corners. Of a rectangle its
+/// corners, of a disc those of a polygon around it, of a sphere its center and radius.
+struct LightHull {
+  std::vector<glm::dvec3> corners;
+  glm::dvec3 center{0};
+  double radius = 0;
+  Bounds box;  ///< around it, wider by what rounding may have cut off
+};
+
+LightHull hull_of(const Light& light);
 
 /// The points that see an edge of the outline before the light, or a few more: behind up to four planes. The front and the back
 /// plane go through the edge and touch the light, the left and the right one go through an end of it.

@@ -11,36 +11,26 @@ uniform int search_taps, filter_taps;
 
 /// Between 0 and 1, different between neighbors (Jimenez 2014).
 float turn_here() {
-#if TURNED
-  return fract(52.9829189 * fract(dot(vec2(0.06711056, 0.00583715), floor(gl_FragCoord.xy))));
-#else
-  return 0;
-#endif
+  return TURNED == 1 ? fract(52.9829189 * fract(dot(vec2(0.06711056, 0.00583715), floor(gl_FragCoord.xy)))) : 0.0;
 }
 
-/// Places of the light's figure, evenly spread, one after the other.
-struct Places {
+/// Places of the light's figure, evenly spread, one after the other. The state that makes the next one is a unit direction on a
+/// disc, and a place of the unit square on a rectangle.
+vec2 first_state(float turn) {
 #if FIGURE == 1
-  vec2 spin;
+  return vec2(cos(6.2831853 * turn), sin(6.2831853 * turn));
 #else
-  vec2 square;
-#endif
-};
-Places first_place(float turn) {
-#if FIGURE == 1
-  return Places(vec2(cos(6.2831853 * turn), sin(6.2831853 * turn)));
-#else
-  return Places(fract(vec2(0.5 + turn, 0.5 + 1.6180340 * turn)));
+  return fract(vec2(0.5 + turn, 0.5 + 1.6180340 * turn));
 #endif
 }
-vec2 next_place(inout Places places, int index, int count) {
+vec2 next_place(inout vec2 state, int index, int count) {
 #if FIGURE == 1
-  vec2 place = places.spin * sqrt((float(index) + 0.5) / float(count));
+  vec2 place = state * sqrt((float(index) + 0.5) / float(count));
   const vec2 golden = vec2(-0.73736888, 0.67549030);  // cosine and sine of the golden angle
-  places.spin = vec2(dot(places.spin, vec2(golden.x, -golden.y)), dot(places.spin, golden.yx));
+  state = vec2(dot(state, vec2(golden.x, -golden.y)), dot(state, golden.yx));
 #else
-  vec2 place = 2 * places.square - 1;
-  places.square = fract(places.square + vec2(0.75487767, 0.56984029));
+  vec2 place = 2 * state - 1;
+  state = fract(state + vec2(0.75487767, 0.56984029));
 #endif
   return place;
 }
@@ -54,9 +44,9 @@ float share_seen(Point p, out vec4 account) {
   float spread = min(searched_spread(searched), most_spread(p));
 #endif
   float found = 0, depths = 0, near = light_facts.z;
-  Places places = first_place(turn);
+  vec2 state = first_state(turn);
   for (int k = 0; k < search_taps; ++k) {
-    vec2 texel = floor(p.position + offset_of(p, spread, next_place(places, k, search_taps)));
+    vec2 texel = floor(p.position + offset_of(p, spread, next_place(state, k, search_taps)));
     float stored = stored_depth(texel);
     bool hides = spread > 0 && is_hidden_by(p, texel, stored);
     found += hides ? 1 : 0;
@@ -67,9 +57,9 @@ float share_seen(Point p, out vec4 account) {
   spread = clamp(found / depths - 1 / p.z, 0, most_spread(p));
   account.z = spread;
   float seen = 0, sum = 0;
-  places = first_place(turn);
+  state = first_state(turn);
   for (int k = 0; k < filter_taps; ++k) {
-    vec2 place = next_place(places, k, filter_taps);
+    vec2 place = next_place(state, k, filter_taps);
     vec2 texel = floor(p.position + offset_of(p, spread, place));
     float weight = height_of(p, place) > 0 ? 1 : 0;
     seen += is_hidden_by(p, texel, stored_depth(texel)) ? 0 : weight;

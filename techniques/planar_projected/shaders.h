@@ -5,7 +5,7 @@ namespace planar_projected {
 
 /// Each pixel's receiver plane as a depth: depth_step times its number plus one; 0 where it lies on none or does not face the
 /// light. A plane's shadows are then drawn at its depth and pass where it equals the pixel's, before any shader runs. Where all
-/// of a plane faces the light or none of it does, the pixels need not be asked: the head defines PLANES_FACE as 1.
+/// of a plane faces the light or none of it does, pixels are not tested: the head defines PLANES_FACE as 1.
 inline const std::string receivers_constants = std::string(gnomon::faces_light_constants) + "float depth_step;";
 inline const std::string receivers_fragment = std::string(gnomon::gbuffer_snippet) + std::string(gnomon::faces_light_snippet) +
                                               std::string(gnomon::plane_lookup_snippet) + R"(

@@ -36,13 +36,10 @@ class PovRay(Technique):
 
     def share_above(self, gbuffer):
         """The share of the light's points above each pixel's horizon."""
-        count = np.zeros(gbuffer.mesh.shape)
         normal = gbuffer.normal.astype(float)
         height = np.einsum("ijk,ijk->ij", normal, gbuffer.position.astype(float))
         points = grid_points(vars(self.light), self.settings.grid)
-        for point in points:
-            count += normal @ point > height
-        return count / len(points)
+        return sum(normal @ point > height for point in points) / len(points)
 
     def resolve(self, gbuffer, mask):
         done, _ = self.pairs.draw(pair_of(self.light, gbuffer), lambda shadows: self.run(gbuffer, shadows))

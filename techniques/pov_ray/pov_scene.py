@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
-SCALE = 100  # POV-Ray ignores blockers nearer than 1e-3 of its units to the lit point: 10 micrometers, where a meter is 100 units
+SCALE = 100  # POV-Ray ignores casters nearer than 1e-3 of its units to the lit point: 10 micrometers, where a meter is 100 units
 SETTINGS = """#version 3.7;
 global_settings { assumed_gamma 1 max_trace_level 1 }
 background { rgb 0 }

@@ -7,10 +7,6 @@ namespace gnomon::radiosity {
 
 namespace {
 
-glm::dvec2 center_of(const Element& element, bool is_triangle) {
-  return element.low + element.step * (is_triangle ? 1.0 / 3 : 0.5);
-}
-
 /// Of `count` cells of the unit interval that with x, and how far x lies into it.
 std::pair<std::uint32_t, double> cell(double x, std::uint32_t count) {
   const double scaled = std::clamp(x, 0.0, 1.0) * count;
@@ -62,10 +58,6 @@ Division::Division(const Faces& faces, double size) : faces_(&faces) {
   for (Element& element : elements_) add_nodes(element);
 }
 
-double Division::area(const Element& element) const {
-  return face_of(element).area() * std::abs(element.step.x * element.step.y);
-}
-
 std::array<glm::dvec3, 4> Division::outline(const Element& element) const {
   const Face& face = face_of(element);
   const auto at = [&](double s, double t) { return face.at(element.low + element.step * glm::dvec2(s, t)); };
@@ -75,7 +67,7 @@ std::array<glm::dvec3, 4> Division::outline(const Element& element) const {
 
 void Division::add_nodes(Element& element) {
   const bool is_triangle = face_of(element).is_triangle;
-  const glm::dvec2 center = center_of(element, is_triangle);
+  const glm::dvec2 center = element.low + element.step * (is_triangle ? 1.0 / 3 : 0.5);
   element.center = static_cast<std::uint32_t>(nodes_.size());
   nodes_.push_back({face_of(element).at(center), element.face, center});
   for (int k = 0; k < (is_triangle ? 3 : 4); ++k)
@@ -160,11 +152,6 @@ std::array<double, 4> Division::weights(const Element& element, const glm::dvec2
   if (!face_of(element).is_triangle) return {(1 - in.x) * (1 - in.y), in.x * (1 - in.y), (1 - in.x) * in.y, in.x * in.y};
   const double rest = std::max(1 - in.x - in.y, 0.0), sum = rest + in.x + in.y;
   return {rest / sum, in.x / sum, in.y / sum, 0};
-}
-
-std::size_t Division::bytes() const {
-  return elements_.size() * sizeof(Element) + nodes_.size() * sizeof(Node) + grids_.size() * sizeof(Grid) +
-         corner_at_.size() * sizeof(std::pair<const CornerKey, std::uint32_t>);
 }
 
 }  // namespace gnomon::radiosity

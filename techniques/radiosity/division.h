@@ -1,9 +1,6 @@
 #pragma once
-#include <array>
-#include <cstdint>
-#include <glm/glm.hpp>
+#include <cmath>
 #include <unordered_map>
-#include <vector>
 
 #include "faces.h"
 
@@ -46,7 +43,7 @@ class Division {
   std::size_t patch_count() const { return patch_count_; }
   const std::vector<Node>& nodes() const { return nodes_; }
   const Face& face_of(const Element& element) const { return (*faces_)[element.face]; }
-  double area(const Element& element) const;
+  double area(const Element& element) const { return face_of(element).area() * std::abs(element.step.x * element.step.y); }
   /// Where the element has its corners: four, or three of a triangle.
   std::size_t corner_count(const Element& element) const { return face_of(element).is_triangle ? 3 : 4; }
   /// The corners in order around it, world space; of a triangle three.
@@ -58,7 +55,7 @@ class Division {
   std::uint32_t element_at(std::uint32_t face, glm::dvec2 place) const;
   /// Weights of an element's corners at a place of its face, in their order: bilinear, of a triangle linear.
   std::array<double, 4> weights(const Element& element, const glm::dvec2& place) const;
-  std::size_t bytes() const;
+  std::size_t bytes() const { return bytes_of(elements_, nodes_, grids_, corner_at_); }
 
  private:
   struct Grid {

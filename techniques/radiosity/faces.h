@@ -1,4 +1,5 @@
 #pragma once
+#include <gnomon/kit/bytes.h>
 #include <gnomon/scene.h>
 
 #include <array>
@@ -31,7 +32,7 @@ class Faces {
   const Face& operator[](std::size_t i) const { return faces_[i]; }
   std::size_t size() const { return faces_.size(); }
   std::uint32_t face_of(std::uint32_t mesh, std::uint32_t triangle) const { return face_of_[first_[mesh] + triangle]; }
-  std::size_t bytes() const { return faces_.size() * sizeof(Face) + face_of_.size() * 4 + first_.size() * 4; }
+  std::size_t bytes() const { return bytes_of(faces_, face_of_, first_); }
 
  private:
   void add_mesh(const Mesh& mesh, std::uint32_t index);

@@ -3,7 +3,6 @@
 
 #include <cstdint>
 #include <span>
-#include <vector>
 
 #include "division.h"
 #include "lamps.h"
@@ -14,7 +13,7 @@ namespace gnomon::radiosity {
 /// closed form times the share of such rays that arrive, weighted alike; the latter always where the sender is near.
 enum class Way { rays, contour };
 
-/// A point on one side of a surface that asks how much of a sender it sees.
+/// A point on one side of a surface that receives light of a sender.
 struct Receiving {
   glm::dvec3 point;
   glm::dvec3 normal;  ///< unit, of that side

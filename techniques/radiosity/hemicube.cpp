@@ -34,12 +34,8 @@ struct Vertex {
 glm::mat4 clip_of_face(const glm::dvec3& from, const glm::dvec3& right, const glm::dvec3& up, const glm::dvec3& forward,
                        bool is_upper_half, double near_plane) {
   const glm::dvec3 y = is_upper_half ? 2.0 * up - forward : up;
-  glm::dmat4 rows(0);  // rows of the matrix, each a column here
-  rows[0] = glm::dvec4(right, -glm::dot(right, from));
-  rows[1] = glm::dvec4(y, -glm::dot(y, from));
-  rows[2] = glm::dvec4(0, 0, 0, near_plane);
-  rows[3] = glm::dvec4(forward, -glm::dot(forward, from));
-  return glm::mat4(glm::transpose(rows));
+  const auto row = [&](const glm::dvec3& along) { return glm::dvec4(along, -glm::dot(along, from)); };
+  return glm::mat4(glm::transpose(glm::dmat4(row(right), row(y), glm::dvec4(0, 0, 0, near_plane), row(forward))));
 }
 
 }  // namespace
@@ -47,33 +43,29 @@ glm::mat4 clip_of_face(const glm::dvec3& from, const glm::dvec3& right, const gl
 std::vector<float> delta_factors(int resolution) {
   const double width = 2.0 / resolution, area = width * width / std::numbers::pi;
   std::vector<float> result;
-  for (int row = 0; row < resolution; ++row)
+  const auto add_row = [&](double along, double cosine) {
     for (int column = 0; column < resolution; ++column) {
-      const double x = (column + 0.5) * width - 1, y = (row + 0.5) * width - 1, square = x * x + y * y + 1;
-      result.push_back(static_cast<float>(area / (square * square)));
+      const double across = (column + 0.5) * width - 1, square = across * across + along * along + 1;
+      result.push_back(static_cast<float>(area * cosine / (square * square)));
     }
+  };
+  for (int row = 0; row < resolution; ++row) add_row((row + 0.5) * width - 1, 1);
   for (int side = 0; side < 4; ++side)
-    for (int row = 0; row < resolution / 2; ++row)
-      for (int column = 0; column < resolution; ++column) {
-        const double y = (column + 0.5) * width - 1, z = 1 - (row + 0.5) * width, square = y * y + z * z + 1;
-        result.push_back(static_cast<float>(area * z / (square * square)));
-      }
+    for (int row = 0; row < resolution / 2; ++row) add_row(1 - (row + 0.5) * width, 1 - (row + 0.5) * width);
   return result;
 }
-
-GlLimits Hemicube::needs(int resolution) { return {.texture_size = 3 * resolution}; }
 
 void Hemicube::setup() {
   program_ = Program("radiosity hemicube", vertex_shader, fragment_shader);
   framebuffer_ = make_framebuffer();
   vertex_array_ = make_vertex_array();
   const GLuint array = vertex_array_.name();
-  glEnableVertexArrayAttrib(array, 0);
   glVertexArrayAttribFormat(array, 0, 3, GL_FLOAT, GL_FALSE, 0);
-  glVertexArrayAttribBinding(array, 0, 0);
-  glEnableVertexArrayAttrib(array, 1);
   glVertexArrayAttribIFormat(array, 1, 1, GL_UNSIGNED_INT, offsetof(Vertex, id));
-  glVertexArrayAttribBinding(array, 1, 0);
+  for (const GLuint attribute : {0u, 1u}) {
+    glEnableVertexArrayAttrib(array, attribute);
+    glVertexArrayAttribBinding(array, attribute, 0);
+  }
 }
 
 void Hemicube::show(const Division& division, std::span<const std::uint32_t> elements) {
@@ -141,10 +133,6 @@ double Hemicube::look(const glm::dvec3& from, const glm::dvec3& normal, int reso
       nothing += deltas_[i];
   }
   return nothing;
-}
-
-std::size_t Hemicube::bytes() const {
-  return ids_texture_.bytes + depth_.bytes + vertices_.bytes + ids_.size() * 4 + deltas_.size() * 4;
 }
 
 }  // namespace gnomon::radiosity

@@ -9,10 +9,10 @@
 namespace gnomon::radiosity {
 
 /// What a point sees of a half-space, drawn on the upper half of a cube around it (Cohen and Greenberg 1985): one square on
-/// top, four half squares around. Each texel stands for its delta factor, the form factor from the point to it.
+/// top, four half squares around. The delta factor of a texel is the form factor from the point to it.
 class Hemicube {
  public:
-  static GlLimits needs(int resolution);
+  static GlLimits needs(int resolution) { return {.texture_size = 3 * resolution}; }
   void setup();
   /// What will be seen: the undivided elements of a division, by their place in `elements`.
   void show(const Division& division, std::span<const std::uint32_t> elements);
@@ -25,7 +25,7 @@ class Hemicube {
   const std::vector<std::uint32_t>& texels() const { return ids_; }
   /// Delta factors of these texels.
   const std::vector<float>& delta_factors() const { return deltas_; }
-  std::size_t bytes() const;
+  std::size_t bytes() const { return ids_texture_.bytes + depth_.bytes + vertices_.bytes + bytes_of(ids_, deltas_); }
 
  private:
   void fit(int resolution);
@@ -35,8 +35,8 @@ class Hemicube {
   VertexArray vertex_array_;
   Buffer vertices_;
   std::size_t vertex_count_ = 0;
-  double near_plane_ =
-      1;  ///< meters: a power of two, a millionth of the size of what is shown, which is as near as float32 tells
+  /// Meters: a power of two, a millionth of the size of what is shown, which is as near as float32 can tell.
+  double near_plane_ = 1;
   int resolution_ = 0;
   std::vector<std::uint32_t> ids_;
   std::vector<float> deltas_;

@@ -1,12 +1,11 @@
 #include "lamps.h"
 
+#include <gnomon/kit/area/light_shape.h>
 #include <gnomon/kit/geometry/across.h>
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <numbers>
-#include <variant>
 
 namespace gnomon::radiosity {
 
@@ -18,11 +17,10 @@ int parts(double length, double size, int least) {
   return static_cast<int>(std::clamp(std::ceil(length / size - 1e-6), double(least), double(most_parts)));
 }
 
-using Place = std::function<glm::dvec3(const glm::dvec2&)>;  // a point for a place of the square -1 .. 1
-
-/// The cells of a grid over the square, as polygons; the front is on the side of `front(center)`.
-void add_grid(const glm::ivec2& count, const Place& place, const std::function<glm::dvec3(const glm::dvec3&)>& front,
-              std::vector<Sender>& senders) {
+/// The cells of a grid over the square -1 .. 1, as polygons: place(p) is the point for a place of the square, and the front is
+/// on the side of front(center).
+template <class Place, class Front>
+void add_grid(const glm::ivec2& count, const Place& place, const Front& front, std::vector<Sender>& senders) {
   for (int j = 0; j < count.y; ++j)
     for (int i = 0; i < count.x; ++i) {
       const auto corner = [&](int x, int y) { return place(2.0 * glm::dvec2(i + x, j + y) / glm::dvec2(count) - 1.0); };
@@ -51,49 +49,44 @@ glm::dvec2 concentric(const glm::dvec2& p) {
   return radius * glm::dvec2(std::cos(angle), std::sin(angle));
 }
 
-std::vector<Sender> front_of(const RectLight& light, double size) {
-  const glm::dvec3 u(light.half_u), v(light.half_v), center(light.center);
+/// The parts that emit on the side of a flat light's front, or all around a sphere.
+std::vector<Sender> front_of(const LightShape& light, double size) {
+  const glm::dvec3& center = light.center;
+  const double radius = light.radius;
   std::vector<Sender> senders;
-  add_grid(
-      {parts(2 * glm::length(u), size, 1), parts(2 * glm::length(v), size, 1)},
-      [&](const glm::dvec2& p) { return center + p.x * u + p.y * v; }, [&](const glm::dvec3&) { return glm::cross(u, v); },
-      senders);
-  return senders;
-}
-
-std::vector<Sender> front_of(const DiscLight& light, double size) {
-  const glm::dvec3 normal = glm::normalize(glm::dvec3(light.normal)), center(light.center);
-  const Across across(normal);
-  std::vector<Sender> senders;
-  add_grid(
-      glm::ivec2(parts(2.0 * light.radius, size, 4)),
-      [&](const glm::dvec2& p) {
-        const glm::dvec2 q = double(light.radius) * concentric(p);
-        return center + q.x * across.u + q.y * across.v;
-      },
-      [&](const glm::dvec3&) { return normal; }, senders);
-  scale_to(std::numbers::pi * light.radius * light.radius, center, senders);
-  return senders;
-}
-
-std::vector<Sender> front_of(const SphereLight& light, double size) {
-  const glm::dvec3 center(light.center);
-  std::vector<Sender> senders;
-  for (int axis = 0; axis < 3; ++axis)
-    for (const double side : {-1.0, 1.0})
-      add_grid(
-          glm::ivec2(parts(std::numbers::pi / 2 * light.radius, size, 2)),
-          [&](const glm::dvec2& p) {
-            // Equal angles along the cube's edges: the parts are of nearly one size.
-            const glm::dvec2 q = glm::tan(p * std::numbers::pi / 4.0);
-            glm::dvec3 d;
-            d[axis] = side;
-            d[(axis + 1) % 3] = q.x;
-            d[(axis + 2) % 3] = q.y;
-            return center + double(light.radius) * glm::normalize(d);
-          },
-          [&](const glm::dvec3& p) { return p - center; }, senders);
-  scale_to(4 * std::numbers::pi * light.radius * light.radius, center, senders);
+  if (light.form == LightShape::Form::rectangle) {
+    const glm::ivec2 count(parts(2 * glm::length(light.half_u), size, 1), parts(2 * glm::length(light.half_v), size, 1));
+    const auto at = [&](const glm::dvec2& p) { return center + p.x * light.half_u + p.y * light.half_v; };
+    add_grid(
+        count, at, [&](const glm::dvec3&) { return light.across; }, senders);
+  } else if (light.form == LightShape::Form::disc) {
+    const glm::dvec3 normal = light.front();
+    const Across across(normal);
+    const auto at = [&](const glm::dvec2& p) {
+      const glm::dvec2 q = radius * concentric(p);
+      return center + q.x * across.u + q.y * across.v;
+    };
+    add_grid(
+        glm::ivec2(parts(2 * radius, size, 4)), at, [&](const glm::dvec3&) { return normal; }, senders);
+    scale_to(std::numbers::pi * radius * radius, center, senders);
+  } else {
+    const glm::ivec2 count(parts(std::numbers::pi / 2 * radius, size, 2));
+    for (int axis = 0; axis < 3; ++axis)
+      for (const double side : {-1.0, 1.0}) {
+        const auto at = [&](const glm::dvec2& p) {
+          // Equal angles along the cube's edges: the parts are of nearly one size.
+          const glm::dvec2 q = glm::tan(p * std::numbers::pi / 4.0);
+          glm::dvec3 d;
+          d[axis] = side;
+          d[(axis + 1) % 3] = q.x;
+          d[(axis + 2) % 3] = q.y;
+          return center + radius * glm::normalize(d);
+        };
+        add_grid(
+            count, at, [&](const glm::dvec3& p) { return p - center; }, senders);
+      }
+    scale_to(4 * std::numbers::pi * radius * radius, center, senders);
+  }
   return senders;
 }
 
@@ -107,7 +100,7 @@ Sender turned(Sender sender) {
 Sender make_sender(std::span<const glm::dvec3> corners, const glm::dvec3& front) {
   Sender sender{.corners = {}, .corner_count = corners.size(), .normal = front, .area = 0};
   std::ranges::copy(corners, sender.corners.begin());
-  // Of a triangle the last corner stands twice.
+  // A triangle has its last corner twice.
   if (corners.size() == 3) sender.corners[3] = corners[2];
   const glm::dvec3 across = glm::cross(sender.corners[2] - sender.corners[0], sender.corners[3] - sender.corners[1]);
   const double length = glm::length(across);
@@ -133,19 +126,12 @@ Sender::Spot Sender::at(const glm::dvec2& square) const {
 }
 
 std::vector<Sender> senders_of(const Light& light, double size) {
-  return std::visit(
-      [&](const auto& kind) -> std::vector<Sender> {
-        if constexpr (requires { front_of(kind, size); }) {
-          std::vector<Sender> senders = front_of(kind, size);
-          if constexpr (requires { kind.emits; })
-            if (kind.emits == Emits::on_both_sides)
-              for (std::size_t i = senders.size(); i-- > 0;) senders.push_back(turned(senders[i]));
-          return senders;
-        } else {
-          return {};
-        }
-      },
-      light.kind);
+  if (!has_area(light)) return {};
+  const LightShape shape(light);
+  std::vector<Sender> senders = front_of(shape, size);
+  if (shape.is_flat() && !shape.is_one_sided)
+    for (std::size_t i = senders.size(); i-- > 0;) senders.push_back(turned(senders[i]));
+  return senders;
 }
 
 }  // namespace gnomon::radiosity

@@ -16,7 +16,7 @@ struct Sender {
   double area;        ///< square meters
   std::span<const glm::dvec3> polygon() const { return {corners.data(), corner_count}; }
   glm::dvec3 center() const;
-  /// A point of it for two numbers in 0 .. 1, and how much area they stand for there, 1 on the average.
+  /// A point of it for two numbers in 0 .. 1, and how much area they represent there, 1 on the average.
   struct Spot {
     glm::dvec3 point;
     double weight;

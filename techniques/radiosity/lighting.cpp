@@ -149,10 +149,7 @@ void Lighting::gather(const Sender& sender, bool is_lamp, std::uint64_t seed, co
 void Lighting::light_directly(std::size_t first_node) {
   choose(Cells::elements, first_node);
   received_.resize(2 * division_.nodes().size());
-  if (settings_.form_factor == FormFactor::hemicube) {
-    light_by_hemicubes();
-    return;
-  }
+  if (settings_.form_factor == FormFactor::hemicube) return light_by_hemicubes();
   for (std::size_t k = 0; k < lamps_.size(); ++k)
     gather(lamps_[k], true, first_shot() + k, [&](std::uint32_t place, double whole, double seen) {
       received_[place].whole += whole;

@@ -1,5 +1,6 @@
 #pragma once
-#include <memory>
+#include <gnomon/kit/add_up.h>
+
 #include <optional>
 #include <vector>
 
@@ -29,10 +30,7 @@ struct Settings {
 /// Direct light at a node, on one side: form factors to all parts of the lamp, summed: of the whole lamp and of what is seen.
 struct Received {
   double whole = 0, seen = 0;
-  void operator+=(const Received& other) {
-    whole += other.whole;
-    seen += other.seen;
-  }
+  Received& operator+=(const Received& other) { return add_up(*this, other, &Received::whole, &Received::seen); }
   Received operator*(double factor) const { return {whole * factor, seen * factor}; }
 };
 

@@ -12,7 +12,7 @@
 namespace gnomon::shadow_volume_tree {
 
 // Each caster brings four nodes into the tree: its shadow planes through the edges ab, bc, ca, then its capping plane. They are
-// made, and asked, together.
+// made, and queried, together.
 
 /// One float for each node of a caster.
 using Four = float __attribute__((vector_size(16)));
@@ -35,8 +35,8 @@ struct Caster {
   float steepness = 0;     ///< see Wedges; set with the order of the corners
 };
 
-/// Which way a caster or a point goes from the nodes of another one. A query that takes several pushes them in this order, so
-/// that it follows the last one first.
+/// Which way a caster or a point goes from the nodes of another one. A query on several ways pushes them in this order, and
+/// follows the last one first.
 enum Way : unsigned {
   crosses_plane = 0,  ///< + 2 k: the caster lies on both sides of shadow plane k
   outside_plane = 1,  ///< + 2 k: inside the planes before, and outside this one or on it
@@ -44,19 +44,25 @@ enum Way : unsigned {
   behind_cap = 7,
   before_cap = 8,  ///< on the light's side of it or on it
   way_count = 9,
-  no_way = 9  ///< the caster shades nothing that the other one does not
+  no_way = 9  ///< the other one shades all that the caster shades
 };
 
 /// Signs that float32 left open.
 struct SignCounts {
   std::uint64_t in_double = 0;  ///< of these, double decided all but `exact`
   SignTally exact;
-  SignCounts& operator+=(const SignCounts& other) {
-    in_double += other.in_double;
-    exact += other.exact;
-    return *this;
-  }
+  SignCounts& operator+=(const SignCounts& other) { return add_up(*this, other, &SignCounts::in_double, &SignCounts::exact); }
 };
+
+/// Square of the length of a triangle's longest edge.
+inline double longest_edge_squared(const glm::vec3* corners) {
+  double longest = 0;
+  for (int k = 0; k < 3; ++k) {
+    const glm::dvec3 edge = glm::dvec3(corners[(k + 1) % 3]) - glm::dvec3(corners[k]);
+    longest = std::max(longest, glm::dot(edge, edge));
+  }
+  return longest;
+}
 
 /// The light, and the place around which float32 is used.
 struct Frame {
@@ -92,13 +98,8 @@ struct Frame {
       error = std::max(error, slack(p[k]));
     }
     if (light.w != 0) {
-      double edge = 0;
-      for (int k = 0; k < 3; ++k) {
-        const glm::dvec3 e = glm::dvec3(p[(k + 1) % 3]) - glm::dvec3(p[k]);
-        edge = std::max(edge, glm::dot(e, e));
-      }
       const double distance = least + light_distance;
-      least = std::sqrt(std::max(0.0, distance * distance * (1 - 0x1p-40) - edge / 3)) - light_distance;
+      least = std::sqrt(std::max(0.0, distance * distance * (1 - 0x1p-40) - longest_edge_squared(p) / 3)) - light_distance;
     }
     return std::nextafter(static_cast<float>(least - error), -INFINITY);
   }

@@ -5,16 +5,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
 namespace gnomon::soft_volume {
 
 namespace {
 
 constexpr std::size_t leaf_size = 8;
-
-glm::dvec3 mean(const Bounds& b) { return 0.5 * (glm::dvec3(b.min) + glm::dvec3(b.max)); }
-glm::dvec3 half_size(const Bounds& b) { return 0.5 * (glm::dvec3(b.max) - glm::dvec3(b.min)); }
-
 }  // namespace
 
 /// Splits in half by count along the longest axis of the edges' middles.
@@ -35,17 +32,11 @@ struct Casters::Builder {
     for (std::size_t i = first; i < last; ++i) {
       const Bounds b = bounds(edges[i]);
       box.add(b);
-      middles.add(glm::vec3(mean(b)));
+      middles.add(glm::vec3(middle_of(b)));
       sum += glm::dvec3(casters.planes_[edges[i].first]) + glm::dvec3(casters.planes_[edges[i].second]);
     }
-    Node node{{box.min.x, box.min.y, box.min.z},
-              {box.max.x, box.max.y, box.max.z},
-              {0, 0, 0},
-              -1,
-              0,
-              0,
-              static_cast<std::uint32_t>(first),
-              0};
+    Node node{.low = {box.min.x, box.min.y, box.min.z}, .high = {box.max.x, box.max.y, box.max.z}};
+    node.first = static_cast<std::uint32_t>(first);
     const double length = glm::length(sum);
     if (length > 0) {
       const glm::vec3 axis(sum / length);
@@ -68,15 +59,11 @@ struct Casters::Builder {
       const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
       const std::size_t middle = first + (last - first) / 2;
       const auto key = [&](const CasterEdge& edge) {
-        return static_cast<double>(casters.position(edge.low)[axis]) + static_cast<double>(casters.position(edge.high)[axis]);
-      };
-      const auto before = [&](const CasterEdge& a, const CasterEdge& b) {
-        const double ka = key(a), kb = key(b);
-        if (ka != kb) return ka < kb;
-        return a.low != b.low ? a.low < b.low : a.high < b.high;
+        const double low = casters.position(edge.low)[axis], high = casters.position(edge.high)[axis];
+        return std::tuple(low + high, edge.low, edge.high);
       };
       const auto at = [&](std::size_t i) { return edges.begin() + static_cast<std::ptrdiff_t>(i); };
-      std::nth_element(at(first), at(middle), at(last), before);
+      std::ranges::nth_element(at(first), at(middle), at(last), {}, key);
       build(first, middle);
       build(middle, last);
     }
@@ -84,30 +71,21 @@ struct Casters::Builder {
   }
 };
 
-Casters::Casters(const Scene& scene) : scene_(&scene), numbers_(scene), adjacency_(scene) {
+Casters::Casters(const Scene& scene) : CastingTriangles(scene) {
   find_planes();
   add_edges();
-  std::vector<Bounds> boxes;
-  std::vector<std::uint32_t> casting;
-  for (std::uint32_t t = 0; t < planes_.size(); ++t) {
-    if (adjacency_.part_of()[t] == EdgeAdjacency::no_part) continue;
-    casting.push_back(t);
-    boxes.emplace_back().add(adjacency_.corners(t).points);
-  }
-  triangle_tree_ = BoxTree(boxes);
-  for (const std::uint32_t item : triangle_tree_.order()) triangles_.push_back(casting[item]);
 }
 
 void Casters::find_planes() {
-  planes_.resize(adjacency_.triangles().size());
+  planes_.resize(adjacency().triangles().size());
   for_blocks(planes_.size(), 8192, [&](std::size_t begin, std::size_t end) {
     for (std::size_t t = begin; t < end; ++t) {
-      const Triangle corners = adjacency_.corners(t);
+      const Triangle corners = adjacency().corners(t);
       const glm::dvec3 a = corners.points[0], u = glm::dvec3(corners.points[1]) - a, v = glm::dvec3(corners.points[2]) - a;
       const glm::dvec3 normal = glm::cross(u, v);
       const double length = glm::length(normal);
       planes_[t] = glm::dvec4(0);
-      // The normal errs by 2^-51 of what its products add up to, at most of |u| |v|; thinner ones are asked exactly.
+      // The normal errs by 2^-51 of what its products add up to, at most of |u| |v|; exact signs decide thinner ones.
       if (!(length > 0x1p-20 * glm::length(u) * glm::length(v) && length > 0)) continue;
       planes_[t] = glm::dvec4(normal / length, -glm::dot(normal / length, a));
     }
@@ -116,16 +94,16 @@ void Casters::find_planes() {
 
 void Casters::add_edges() {
   Builder builder{*this, {}};
-  const auto mesh_of = [&](std::uint32_t triangle) { return numbers_.mesh_of(triangle); };
+  const auto mesh_of = [&](std::uint32_t triangle) { return numbers().mesh_of(triangle); };
   std::vector<CasterEdge> irregular;
-  sides_.assign(adjacency_.sides().begin(), adjacency_.sides().end());
-  for (const EdgeAdjacency::IrregularEdge& edge : adjacency_.irregular_edges())
+  sides_.assign(adjacency().sides().begin(), adjacency().sides().end());
+  for (const EdgeAdjacency::IrregularEdge& edge : adjacency().irregular_edges())
     irregular.push_back({edge.low, edge.high, edge.first_side, edge.side_count});
-  for (const EdgeAdjacency::Edge& edge : adjacency_.edges()) {
+  for (const EdgeAdjacency::Edge& edge : adjacency().edges()) {
     // Two triangles in one plane that continue each other face alike for every point, and one is left out with the other.
     if (mesh_of(edge.first) == mesh_of(edge.second)) {
       const bool continues = glm::dot(glm::dvec3(planes_[edge.first]), glm::dvec3(planes_[edge.second])) > 0.5;
-      if (continues && coplanar(adjacency_.corners(edge.first), adjacency_.corners(edge.second).points)) continue;
+      if (continues && coplanar(adjacency().corners(edge.first), adjacency().corners(edge.second).points)) continue;
       builder.edges.push_back({edge.low, edge.high, edge.first, edge.second});
       continue;
     }
@@ -143,8 +121,6 @@ void Casters::add_edges() {
   for (const std::uint32_t item : irregular_tree_.order()) edges_.push_back(irregular[item]);
   edges_.shrink_to_fit();
 }
-
-Casters::Viewers::Viewers(const Bounds& box) : middle(mean(box)), half(half_size(box)), slack(0x1p-18 * extent(middle)) {}
 
 bool Casters::faces_alike(const Viewers& from, std::uint32_t edge) const {
   int sides = 0;
@@ -213,48 +189,19 @@ std::size_t Casters::narrow_edges(const Beam& beam, const Bounds& points, std::s
   return regular;
 }
 
-bool Casters::has_triangles(const Beam& beam) const {
-  bool any = false;
-  triangle_tree_.each([&](const float* low, const float* high) { return beam.meets(low, high); },
-                      [&](std::uint32_t place) {
-                        Bounds box;
-                        box.add(adjacency_.corners(triangles_[place]).points);
-                        any = beam.meets(&box.min.x, &box.max.x);
-                        return any;
-                      });
-  return any;
-}
-
-void Casters::find_triangles(const Bounds& box, std::vector<std::uint32_t>& found) const {
-  found.clear();
-  const auto meets = [&](const float* low, const float* high) {
-    for (int k = 0; k < 3; ++k)
-      if (low[k] > box.max[k] || high[k] < box.min[k]) return false;
-    return true;
-  };
-  triangle_tree_.each(meets, [&](std::uint32_t place) {
-    Bounds own;
-    own.add(adjacency_.corners(triangles_[place]).points);
-    if (meets(&own.min.x, &own.max.x)) found.push_back(triangles_[place]);
-    return false;
-  });
-  std::ranges::sort(found);
-}
-
 int Casters::facing(const NumberedReceiver& receiver, std::uint32_t triangle, CoplanarCache& cache) const {
   const glm::dvec4& plane = planes_[triangle];
   const double height = glm::dot(glm::dvec3(plane), glm::dvec3(receiver.point)) + plane.w,
                scale = extent(receiver.point) + std::abs(plane.w);
   // Rounding may have put a point so far off its own plane: there the rule of receivers and exact signs decide.
   const bool is_near = !(std::abs(height) > 0x1p-21 * scale);
-  if (!is_near && receiver.own_count <= 1) return height > 0 ? 1 : -1;
-  if (receiver.is_own(triangle)) return 0;
+  if ((is_near || receiver.own_count > 1) && receiver.is_own(triangle)) return 0;
   if (!is_near) return height > 0 ? 1 : -1;
   // A plane that double cannot tell from one through the point is seen edge-on: its edges have no sides.
   const bool has_plane = glm::dvec3(plane) != glm::dvec3(0);
   if (has_plane && std::abs(height) <= 0x1p-48 * scale) return 0;
-  const Triangle corners = adjacency_.corners(triangle);
-  const auto is_coplanar = [&] { return receiver.is_coplanar(*scene_, corners.points); };
+  const Triangle corners = adjacency().corners(triangle);
+  const auto is_coplanar = [&] { return receiver.is_coplanar(scene(), corners.points); };
   if (receiver.has_triangle() && cache.is_coplanar(receiver.first_own, triangle, is_coplanar)) return 0;
   return orient3d_sign(corners.points[0], corners.points[1], corners.points[2], receiver.point);
 }
@@ -273,7 +220,7 @@ int Casters::multiplicity(const NumberedReceiver& receiver, std::uint32_t number
 // As in crosses() of kit/geometry/exact.h, with the point at the origin. Where a sign is not sure, the answer is not.
 Way Casters::crosses(const NumberedReceiver& receiver, std::uint32_t triangle, const glm::dvec3& to,
                      CoplanarCache& cache) const {
-  const Triangle corners = adjacency_.corners(triangle);
+  const Triangle corners = adjacency().corners(triangle);
   const glm::dvec3 p = receiver.point, u = glm::dvec3(corners.points[0]) - p, v = glm::dvec3(corners.points[1]) - p,
                    w = glm::dvec3(corners.points[2]) - p;
   double uv = 0, vw = 0, wu = 0;
@@ -294,20 +241,14 @@ Way Casters::crosses(const NumberedReceiver& receiver, std::uint32_t triangle, c
 
 Way Casters::way(const NumberedReceiver& receiver, const glm::dvec3& to, CoplanarCache& cache, std::uint32_t& hint) const {
   if (hint < planes_.size() && crosses(receiver, hint, to, cache) == Way::blocked) return Way::blocked;
-  const SegmentSlabs slabs({receiver.point, glm::dvec4(glm::dvec3(receiver.point) + to, 1)});
   bool is_unsure = false;
-  const bool is_blocked = triangle_tree_.any(slabs, 0.0, [&](std::uint32_t place) {
-    const Way one = crosses(receiver, triangles_[place], to, cache);
+  const bool is_blocked = any_on_way(receiver.point, to, [&](std::uint32_t triangle) {
+    const Way one = crosses(receiver, triangle, to, cache);
     is_unsure |= one == Way::unsure;
-    if (one == Way::blocked) hint = triangles_[place];
+    if (one == Way::blocked) hint = triangle;
     return one == Way::blocked;
   });
   return is_blocked ? Way::blocked : is_unsure ? Way::unsure : Way::clear;
-}
-
-std::size_t Casters::bytes() const {
-  return numbers_.bytes() + adjacency_.bytes() + irregular_tree_.bytes() + triangle_tree_.bytes() +
-         bytes_of(planes_, edges_, sides_, nodes_, triangles_);
 }
 
 }  // namespace gnomon::soft_volume

@@ -32,17 +32,16 @@ GNOMON_VECTORIZED void add_steps(const LightDepth::Step* steps, std::size_t step
 
 }  // namespace
 
-LightDepth::LightDepth(const LightFigure& face) { set(face); }
-
 /// A way d is w * (center + s * half_u + t * half_v): the inverse of the matrix with these columns, by cross products.
-void LightDepth::set(const LightFigure& face) {
-  clear();
-  const glm::dvec3 &u = face.half_u(), &v = face.half_v(), &c = face.center();
+void LightDepth::set(const LightFigure& figure) {
+  lines_.clear();
+  steps_.clear();
+  const glm::dvec3 &u = figure.half_u(), &v = figure.half_v(), &c = figure.center();
   const glm::dvec3 axis = glm::cross(u, v);
   const double volume = glm::dot(axis, c);
   const glm::dvec3 s = glm::cross(v, c) / volume, t = glm::cross(c, u) / volume;
   w_ = axis / volume;
-  const glm::dvec2 low = face.box().low, size = face.box().high - low;
+  const glm::dvec2 low = figure.box().low, size = figure.box().high - low;
   x_ = (s - low.x * w_) / size.x;
   y_ = (t - low.y * w_) / size.y;
   turn_ = volume < 0 ? 1 : -1;  // u, v and the way back to the point are right-handed, or not
@@ -62,13 +61,7 @@ LightDepth::Corner LightDepth::cut(const Corner& a, const Corner& b) {
 }
 
 void LightDepth::add_edge(const Corner& a, const Corner& b, int jump) {
-  if (a.is_beyond && b.is_beyond) return;
-  if (a.is_beyond)
-    add_line(cut(a, b), b, jump);
-  else if (b.is_beyond)
-    add_line(a, cut(a, b), jump);
-  else
-    add_line(a, b, jump);
+  if (!a.is_beyond || !b.is_beyond) add_line(a.is_beyond ? cut(a, b) : a, b.is_beyond ? cut(a, b) : b, jump);
 }
 
 void LightDepth::add_section(const Corner (&corners)[3], const bool (&is_swapped)[3], int facing) {
@@ -99,8 +92,7 @@ void LightDepth::add_line(const Corner& from, const Corner& to, int jump) {
       if (at_a < 0 && at_b < 0) return false;
       if (at_a >= 0 && at_b >= 0) return true;
       const double share = at_a / (at_a - at_b);
-      const Corner border{a.x + share * (b.x - a.x), a.y + share * (b.y - a.y), a.w + share * (b.w - a.w), false};
-      (at_a < 0 ? a : b) = border;
+      (at_a < 0 ? a : b) = {a.x + share * (b.x - a.x), a.y + share * (b.y - a.y), a.w + share * (b.w - a.w), false};
       return true;
     };
     if (!clip([](const Corner& c) { return c.x + c.w; }) || !clip([](const Corner& c) { return 2 * c.w - c.x; }) ||

@@ -1,26 +1,29 @@
 #pragma once
 #include <gnomon/kit/area/light_figure.h>
 
-#include <span>
 #include <vector>
 
 namespace gnomon::soft_volume {
 
-/// Places of a light for one point, as numbers in 0 .. 1 along both sides of the box of its face.
+/// Places of a light for one point, as numbers in 0 .. 1 along both sides of the box of its figure.
 struct Places {
   std::vector<double> x, y;
   std::size_t size() const { return x.size(); }
+  void clear() {
+    x.clear();
+    y.clear();
+  }
 };
 
 /// How many casting triangles lie between a point and each place of a light, up to a number that is the same for all places:
 /// from edges alone. Laine et al. 2005 integrate the jumps of that depth at edges over the light; so does this class.
 ///
 /// Let m be how many triangles more the light's places on the left of a directed edge have before them than those on its right.
-/// From the light's corner (0, 0) a way leads up the side x = 0 to the height of a place and then to the right. Edges that
-/// cross the side, and those between the side and the place, are all that make the depth at the place another one than at the
-/// corner: edges that pass beside the light's box never count. The crossing with the side is computed once, so that it is at
-/// the same height for both parts of the way, and a vertex once for all of its edges: rounding may move a caster's corner by
-/// 1e-15, but never opens an outline.
+/// From the light's corner (0, 0) a way leads up the side x = 0 to the height of a place and then to the right. Only edges that
+/// cross the side, and those between the side and the place, make the depth at the place differ from that at the corner: edges
+/// that pass beside the light's box never count. The crossing with the side is computed once, so that it is at the same height
+/// for both parts of the way, and a vertex once for all of its edges: rounding may move a caster's corner by 1e-15, but never
+/// opens an outline.
 class LightDepth {
  public:
   /// A vertex as the point sees it: (x, y) times w, and how far its depth is on the way to the light's plane; is_beyond: on it
@@ -30,8 +33,8 @@ class LightDepth {
     bool is_beyond;
   };
 
-  explicit LightDepth(const LightFigure& face);
-
+  /// Starts anew with a light's figure.
+  void set(const LightFigure& figure);
   Corner corner(const glm::dvec3& to) const;
   /// A directed edge; `jump` is m. Only what is before the light's plane counts.
   void add_edge(const Corner& a, const Corner& b, int jump);
@@ -40,11 +43,6 @@ class LightDepth {
   void add_section(const Corner (&corners)[3], const bool (&is_swapped)[3], int facing);
   bool is_flat() const { return lines_.empty() && steps_.empty(); }
   std::size_t line_count() const { return lines_.size(); }
-  void clear() {
-    lines_.clear();
-    steps_.clear();
-  }
-  void set(const LightFigure& face);
 
   /// The depth at places less that at the corner.
   void find(const Places& places, std::vector<double>& depths) const;
@@ -68,7 +66,7 @@ class LightDepth {
   static Corner cut(const Corner& a, const Corner& b);
   void add_line(const Corner& a, const Corner& b, int jump);
 
-  glm::dvec3 x_, y_, w_;
+  glm::dvec3 x_{0}, y_{0}, w_{0};
   int turn_ = 1;  ///< -1 where the coordinates are a mirror image of what the point sees
   std::vector<Line> lines_;
   std::vector<Step> steps_;

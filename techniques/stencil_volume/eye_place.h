@@ -2,14 +2,13 @@
 #include <gnomon/kit/geometry/edges.h>
 #include <gnomon/kit/gl/gl.h>
 
-#include <algorithm>
 #include <cmath>
 
 namespace stencil_volume {
 using namespace gnomon;
 
 /// How many shadow volumes hold the eye. Where its way to the light goes exactly through an edge, triangles beside the edge
-/// cannot be told apart, and a point a rounding away is asked instead.
+/// cannot be distinguished, and a point a rounding away is tested instead.
 inline std::int64_t volumes_at(const EdgeAdjacency& adjacency, const glm::vec3& eye, const Silhouette& silhouette) {
   constexpr glm::vec3 asides[] = {{0, 0, 0},   {3, 5, 7},  {-5, 3, -2}, {2, -7, 3},
                                   {-3, -2, 5}, {7, 2, -3}, {-2, 7, 2},  {5, -3, -7}};

@@ -1,10 +1,6 @@
 #pragma once
 #include <gnomon/kit/volumes/volume_faces.h>
 
-#include <algorithm>
-#include <optional>
-#include <string>
-
 namespace stencil_volume {
 using namespace gnomon;
 
@@ -13,7 +9,7 @@ inline constexpr GLintptr work_header = 128;
 static_assert(sizeof(FaceCommands) <= work_header && offsetof(FaceCommands, fan) == 16 && offsetof(FaceCommands, caps) == 64 &&
               offsetof(FaceCommands, reversed_caps) == 84);
 
-inline constexpr std::string_view finder_head = R"(
+inline const std::string finder_head = R"(
 layout(local_size_x = 256) in;
 layout(std430, binding = 1) readonly buffer Triangles { uvec4 triangles[]; };  // corners and part
 layout(std430, binding = 5) buffer Work { uint commands[32]; int facing[]; };
@@ -26,7 +22,7 @@ uniform bool pointed;
 uint corners() { return pointed ? 3u : 6u; }
 )";
 
-inline constexpr std::string_view facing_body = R"(
+inline const std::string facing_body = R"(
 layout(std430, binding = 0) readonly buffer Positions { float positions[]; };
 layout(std430, binding = 2) readonly buffer First { uint first[]; };
 layout(std430, binding = 3) readonly buffer Hubs { vec4 hubs[]; };
@@ -67,7 +63,7 @@ void main() {
 }
 )";
 
-inline constexpr std::string_view add_side = R"(
+inline const std::string add_side = R"(
 layout(std430, binding = 6) writeonly buffer Sides { uvec4 sides[]; };
 uniform bool dark_caps;
 uniform int side_capacity;
@@ -79,7 +75,7 @@ void add(uint low, uint high, uint part, int times) {
 }
 )";
 
-inline const std::string edges_body = std::string(add_side) + R"(
+inline const std::string edges_body = add_side + R"(
 layout(std430, binding = 0) readonly buffer Edges { uvec4 edges[]; };  // low, high, first, second
 void main() {
   int e = item();
@@ -90,7 +86,7 @@ void main() {
 }
 )";
 
-inline const std::string irregular_body = std::string(add_side) + R"(
+inline const std::string irregular_body = add_side + R"(
 layout(std430, binding = 0) readonly buffer Edges { uvec4 edges[]; };  // low, high, first of `at`, how many
 layout(std430, binding = 2) readonly buffer At { uint at[]; };         // triangle times two, plus one for low to high
 void main() {
@@ -105,7 +101,7 @@ void main() {
 
 /// The relight of `finder=gpu`: facing, outline and caps by compute shaders. Facing is decided in double without the exact
 /// fallback: a triangle so nearly edge-on that this matters casts a shadow thinner than rounding, whichever way it is turned.
-/// The order of faces in the buffers is open, the set of faces is not, so neither are the counts.
+/// The order of the faces in the buffers is not fixed. The set of faces is, and so are the counts.
 class GpuFinder {
  public:
   /// Of the device, beside what drawing needs. How many edges there are shows in `build`.
@@ -118,10 +114,9 @@ class GpuFinder {
   }
 
   void setup() {
-    facing_program_ = Program::compute("stencil_volume facing", std::string(finder_head) + std::string(facing_body));
-    edges_program_ = Program::compute("stencil_volume edges", std::string(finder_head) + std::string(edges_body));
-    irregular_program_ =
-        Program::compute("stencil_volume irregular edges", std::string(finder_head) + std::string(irregular_body));
+    facing_program_ = Program::compute("stencil_volume facing", finder_head + facing_body);
+    edges_program_ = Program::compute("stencil_volume edges", finder_head + edges_body);
+    irregular_program_ = Program::compute("stencil_volume irregular edges", finder_head + irregular_body);
   }
 
   void build(const EdgeAdjacency& adjacency) {
@@ -164,8 +159,6 @@ class GpuFinder {
     return commands;
   }
 
-  /// How many sides the last `find` found.
-  std::size_t side_count() const { return side_count_; }
   /// At least as many volumes as overlap anywhere, from the number of sides alone: an outline that winds w times around a point
   /// has more than 2 w edges, since none of them takes half a turn. None where casters may be all around the light.
   std::optional<std::int64_t> depth_bound(const EdgeAdjacency& adjacency, const glm::dvec4& light) const {
@@ -195,10 +188,10 @@ class GpuFinder {
     FaceCommands commands;
     commands.reversed_caps.first_index = static_cast<std::uint32_t>(3 * adjacency.triangles().size());
     glNamedBufferSubData(work_.name(), 0, sizeof(commands), &commands);
-    const auto dispatch = [&](const Program& program, std::size_t count,
-                              std::initializer_list<std::pair<GLuint, GLuint>> buffers) {
+    // Buffers from binding 0 on; 0 where the program has none.
+    const auto dispatch = [&](const Program& program, std::size_t count, std::initializer_list<GLuint> names) {
       if (count == 0) return;
-      for (const auto& [binding, name] : buffers) glBindBufferBase(GL_SHADER_STORAGE_BUFFER, binding, name);
+      for (GLuint binding = 0; const GLuint name : names) glBindBufferBase(GL_SHADER_STORAGE_BUFFER, binding++, name);
       const auto set = [&](const char* uniform, const auto& value) { program.set_if_used(uniform, value); };
       set("count", static_cast<int>(count));
       set("light", glm::vec4(light));  // exact: the light's floats
@@ -214,22 +207,12 @@ class GpuFinder {
       glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
     };
     dispatch(facing_program_, adjacency.triangles().size(),
-             {{0, buffers.positions.name()},
-              {1, triangles_.name()},
-              {2, first_.name()},
-              {3, faces.hubs.name()},
-              {4, halves_.name()},
-              {5, work_.name()},
-              {6, faces.caps.name()},
-              {7, faces.triangles.name()}});
+             {buffers.positions.name(), triangles_.name(), first_.name(), faces.hubs.name(), halves_.name(), work_.name(),
+              faces.caps.name(), faces.triangles.name()});
     dispatch(edges_program_, adjacency.edges().size(),
-             {{0, edges_.name()}, {1, triangles_.name()}, {5, work_.name()}, {6, faces.sides.name()}});
+             {edges_.name(), triangles_.name(), 0, 0, 0, work_.name(), faces.sides.name()});
     dispatch(irregular_program_, adjacency.irregular_edges().size(),
-             {{0, irregular_.name()},
-              {1, triangles_.name()},
-              {2, at_irregular_.name()},
-              {5, work_.name()},
-              {6, faces.sides.name()}});
+             {irregular_.name(), triangles_.name(), at_irregular_.name(), 0, 0, work_.name(), faces.sides.name()});
     glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT | GL_ELEMENT_ARRAY_BARRIER_BIT | GL_COMMAND_BARRIER_BIT);
     glGetNamedBufferSubData(work_.name(), 0, sizeof(commands), &commands);
     return commands;
@@ -238,7 +221,7 @@ class GpuFinder {
   Program facing_program_, edges_program_, irregular_program_;
   Buffer triangles_, first_, edges_, irregular_, at_irregular_;
   RewrittenBuffer halves_, work_;
-  std::size_t side_count_ = 0;
+  std::size_t side_count_ = 0;  // of the last `find`
 };
 
 }  // namespace stencil_volume

@@ -3,9 +3,6 @@
 #include <gnomon/kit/geometry/receiver.h>
 #include <gnomon/kit/unset_vector.h>
 
-#include <span>
-#include <vector>
-
 namespace gnomon::svbsp {
 
 /// A triangle of the scene, or a part of one: convex, wound as the triangle is.
@@ -17,10 +14,8 @@ struct BspPolygon {
 
 /// A triangle of a scene, by its number over all meshes.
 inline Triangle triangle_of(const Scene& scene, const TriangleNumbers& numbers, std::uint32_t number) {
-  const std::uint32_t m = numbers.mesh_of(number);
-  const Mesh& mesh = scene.meshes[m];
-  const glm::uvec3& t = mesh.triangles[number - numbers.first_of(m)];
-  return {{mesh.positions[t.x], mesh.positions[t.y], mesh.positions[t.z]}};
+  const std::uint32_t mesh = numbers.mesh_of(number);
+  return scene.meshes[mesh].corners(number - numbers.first_of(mesh));
 }
 
 /// What a tree is made by.
@@ -28,7 +23,7 @@ struct BspOptions {
   /// Which polygon's plane divides a cell's polygons: that of the first one in the order of the scene; of the one, among
   /// `candidates`, that cuts the fewest others, then the one that divides them most evenly; or the one with the least of 8 x
   /// cuts + difference of the sides.
-  enum class Choice { first, fewest_splits, balanced };
+  enum class Choice { balanced, fewest_splits, first };  ///< in the order of svbsp.split
   Choice choice = Choice::balanced;
   /// Whether planes across an axis, through the middle of a cell's polygons, are candidates too. They need hold no polygon. Not
   /// with `first`.
@@ -57,15 +52,9 @@ class Bsp {
 
   /// Calls visit(std::span<const BspPolygon>) for every coplanar set, so that nothing in a later set hides a part of an earlier
   /// one from `from`: a homogeneous point, w = 1, or the direction to a point infinitely far away, w = 0.
-  template <class Visit>
-  void front_to_back(const glm::dvec4& from, Visit&& visit) const {
-    walk(from, 1, visit);
-  }
+  void front_to_back(const glm::dvec4& from, const auto& visit) const { walk(from, 1, visit); }
   /// The same sets the other way about.
-  template <class Visit>
-  void back_to_front(const glm::dvec4& from, Visit&& visit) const {
-    walk(from, 0, visit);
-  }
+  void back_to_front(const glm::dvec4& from, const auto& visit) const { walk(from, 0, visit); }
 
   std::size_t node_count() const { return nodes_.size(); }
   std::size_t split_count() const { return split_count_; }  ///< polygons cut, each into two
@@ -83,8 +72,7 @@ class Bsp {
   };
 
   /// In order: the child on the side of `from` when near is 1, on the other one when it is 0; the node; the other child.
-  template <class Visit>
-  void walk(const glm::dvec4& from, unsigned near, Visit& visit) const {
+  void walk(const glm::dvec4& from, unsigned near, const auto& visit) const {
     std::vector<std::uint32_t> way;  // nodes to come back to; the lowest bit is the child that is done by then
     way.reserve(depth_);
     std::uint32_t next = nodes_.empty() ? none : 0;

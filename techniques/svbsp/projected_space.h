@@ -9,14 +9,14 @@
 
 namespace gnomon::svbsp {
 
-/// What counts as one and the same place: 10^-10 of the extent. Half a unit of float32, on which vertices and visible points
-/// stand anyway, is 3 * 10^-8 of it; coordinates and cuts in double err by some 10^-15.
+/// What counts as one and the same place: 10^-10 of the extent. Vertices and visible points are rounded to float32 anyway, by
+/// 3 * 10^-8 of it; coordinates and cuts in double err by some 10^-15.
 struct Epsilons {
   double across = 0;  ///< in x and y: meters for a directional light, tangents for a point light
   double meters = 0;  ///< from the plane of a triangle, in the world
 };
 
-/// Light space in which planes stay planes, and z says how near a point is to the light: greater is nearer. x and y are a
+/// Light space in which planes stay planes, and z is how near a point is to the light: greater is nearer. x and y are a
 /// point's place (kit/maps/light_space.h); z is one over the distance along the face's axis, for a directional light that
 /// distance reversed. A shadow plane is one along z: a line in x and y.
 class ProjectedSpace {
@@ -55,8 +55,8 @@ class ProjectedSpace {
     return space_[face].to_world(is_point() ? glm::dvec3(p.x, p.y, 1) / p.z : glm::dvec3(p.x, p.y, -p.z));
   }
 
-  /// Whether a triangle is clockwise here, whose corners and the light have this orient3d_sign: from a point light x, y and the
-  /// way to the face are right-handed, so that everything shows the other way about than the light sees it.
+  /// Whether a triangle whose corners and the light have this orient3d_sign is clockwise here: from a point light x, y and the
+  /// way to the face are right-handed, so that the winding is the reverse of what the light sees.
   bool is_clockwise(int facing) const { return is_point() ? facing > 0 : facing < 0; }
 
   /// The plane of a triangle, positive on the light's side, where `facing` is orient3d_sign of its corners and the light. Its

@@ -1,7 +1,5 @@
 #pragma once
 #include <cassert>
-#include <cmath>
-#include <vector>
 
 #include "projected_space.h"
 
@@ -12,9 +10,8 @@ using Link = std::int32_t;
 constexpr Link out_cell = -1;  ///< nothing is there
 constexpr Link in_cell(std::uint32_t triangle) { return -2 - static_cast<Link>(triangle); }
 constexpr bool is_in_cell(Link link) { return link < out_cell; }
-constexpr std::uint32_t triangle_in(Link link) {
-  return static_cast<std::uint32_t>(-2 - link);
-}  ///< nearest to the light there
+/// The triangle of an IN cell: the nearest to the light there.
+constexpr std::uint32_t triangle_in(Link link) { return static_cast<std::uint32_t>(-2 - link); }
 
 /// A shadow plane, or a border of tiles: a line of light space, scaled so that `at` is the distance from it.
 struct Node {
@@ -62,7 +59,7 @@ void locate(std::span<Query> queries, std::uint64_t& visits) {
   }
 }
 
-/// What a tree knows about an edge of a polygon.
+/// Where an edge of a polygon comes from.
 enum EdgeMark : std::uint32_t {
   own_edge = 0,    ///< of the triangle itself, or where it meets another triangle's plane
   bsp_cut = 1,     ///< made by the regular BSP tree, as bsp.h marks it: on no shadow plane
@@ -82,13 +79,12 @@ class Filter {
   /// Calls visit(place, cell, fragment) for every part of a polygon that a cell holds. It may add to the tree below that cell.
   /// Edges found to lie on the plane of a node become shared ones. Returns how often planes cut the polygon; fragments that are
   /// nowhere farther than epsilon from a node's plane are dropped, and counted in `thin`.
-  template <class Visit>
   std::uint64_t run(const std::vector<Node>& nodes, Link root, std::span<const Corner> polygon, double epsilon,
-                    std::uint64_t& thin, Visit&& visit) {
+                    std::uint64_t& thin, const auto& visit) {
     std::uint64_t cuts = 0;
     std::size_t first = 0, count = polygon.size();
     reserve(count);
-    std::copy(polygon.begin(), polygon.end(), corners_.begin());
+    std::ranges::copy(polygon, corners_.begin());
     Place place;
     Link link = root;
     for (;;) {

@@ -130,10 +130,7 @@ function project_onto({ plane: [x, y, z, constant] }) {
   const plane = new THREE.Plane(new THREE.Vector3(x, y, z), constant);
   const place = new THREE.Vector4(...to_light(new THREE.Vector3()), light.isDirectionalLight ? 0 : 1);
   const height = (p) => plane.normal.dot(p) - plane.constant * (p.w ?? 1);
-  if (height(place) < 0) {
-    plane.normal.negate();
-    plane.constant *= -1;
-  }
+  if (height(place) < 0) plane.negate();
   const ceiling = place.w ? 0.99999 * height(place) : Infinity;
   const reaches_between = (mesh) => {
     let [lowest, highest] = [Infinity, 0];
@@ -149,13 +146,6 @@ function project_onto({ plane: [x, y, z, constant] }) {
     scene.add(mesh);
     return { mesh, plane, place };
   });
-}
-
-/** Moves a ShadowMesh, as its user does before each frame. */
-function lay({ mesh, plane, place }, plane_offset) {
-  const lifted = plane.clone();
-  lifted.constant += plane_offset;
-  mesh.update(lifted, place);
 }
 
 /** Draws a frame of { width, height, camera: { world, fov_y_degrees, near, far }, shadows, settings }: { ms, picture }. */
@@ -178,10 +168,9 @@ export function frame({ width, height, camera: { world, fov_y_degrees, near, far
   }
   Object.assign(light.shadow, { bias, normalBias: normal_bias, radius, blurSamples: blur_samples });
   light.castShadow = shadows && renderer.shadowMap.enabled;
-  for (const { mesh, plane, place } of projected) {
-    // A light below the lifted plane has no shadows on it, but ShadowMesh would draw some.
+  // A light below the lifted plane has no shadows on it, but ShadowMesh would draw some.
+  for (const { mesh, plane, place } of projected)
     mesh.visible = shadows && plane.normal.dot(place) > (plane.constant + plane_offset) * place.w;
-  }
   camera.matrix.fromArray(world);
   camera.matrixWorldNeedsUpdate = true;
   Object.assign(camera, { fov: fov_y_degrees, aspect: width / height, near, far }).updateProjectionMatrix();
@@ -189,7 +178,8 @@ export function frame({ width, height, camera: { world, fov_y_degrees, near, far
   const pixel = new Uint16Array(1);
   const draw = () => {
     const start = performance.now();
-    for (const shadow of projected) lay(shadow, plane_offset);
+    // ShadowMeshes are moved before each frame, as their user does.
+    for (const { mesh, plane, place } of projected) mesh.update(new THREE.Plane(plane.normal, plane.constant + plane_offset), place);
     renderer.render(scene, camera);
     renderer.readRenderTargetPixels(target, 0, 0, 1, 1, pixel); // ends the frame
     return performance.now() - start;

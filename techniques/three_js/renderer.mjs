@@ -14,7 +14,7 @@ import { chromium } from "playwright-core";
 const here = dirname(fileURLToPath(import.meta.url));
 const three = dirname(dirname(createRequire(import.meta.url).resolve("three")));
 const site = "https://gnomon.invalid/"; // leads nowhere: each of its files is given by `route`
-// OpenGL through EGL needs no display. --use-angle=gl wants one; without it Chromium draws with SwiftShader and does not say so.
+// OpenGL through EGL needs no display. --use-angle=gl needs one; without it Chromium draws with SwiftShader and does not say so.
 const flags = {
   angle_gl: ["--use-angle=gl-egl", "--ignore-gpu-blocklist"],
   swiftshader: ["--use-angle=swiftshader", "--enable-unsafe-swiftshader"],
@@ -25,8 +25,7 @@ const html = `<!doctype html><script type="importmap">${JSON.stringify({ imports
 // An isolated page has a clock of 5 microseconds; others of 100.
 const headers = { "Cross-Origin-Opener-Policy": "same-origin", "Cross-Origin-Embedder-Policy": "require-corp" };
 
-let page;
-let folder;
+let page, folder;
 
 function serve(route) {
   const name = new URL(route.request().url()).pathname.slice(1);
@@ -39,8 +38,7 @@ function serve(route) {
 async function start({ folder: given, program, gl }) {
   folder = given;
   const args = ["--no-sandbox", ...flags[gl]]; // root has no sandbox, nor have most containers
-  const options = { executablePath: program, args, ignoreDefaultArgs: refused };
-  const browser = await chromium.launch(options);
+  const browser = await chromium.launch({ executablePath: program, args, ignoreDefaultArgs: refused });
   page = await browser.newPage({ viewport: { width: 64, height: 64 }, deviceScaleFactor: 1 });
   page.on("console", (message) => console.error(message.text()));
   await page.route(`${site}**`, serve);

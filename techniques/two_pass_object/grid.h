@@ -7,34 +7,38 @@ namespace gnomon::two_pass_object {
 
 /// A rectangle of places, and the cells that it is divided into: none in a cell that holds triangles itself.
 struct Node {
-  double u0, v0, u1, v1;
+  Places box;
   std::uint32_t first = 0, count = 0;   ///< entries; or nodes, row after row
   std::uint32_t columns = 0, rows = 0;  ///< both 0 without nodes below
   bool is_leaf() const { return columns == 0; }
   /// Where column `c` begins; the last one's end is the rectangle's, so that neighbors have the same border, bit for bit.
-  double u(std::uint32_t c) const { return c == 0 ? u0 : c == columns ? u1 : u0 + (u1 - u0) * c / columns; }
-  double v(std::uint32_t r) const { return r == 0 ? v0 : r == rows ? v1 : v0 + (v1 - v0) * r / rows; }
-  std::uint32_t column(double at) const { return cell((at - u0) / (u1 - u0) * columns, columns); }
-  std::uint32_t row(double at) const { return cell((at - v0) / (v1 - v0) * rows, rows); }
-  bool holds(double u, double v) const { return u >= u0 && u <= u1 && v >= v0 && v <= v1; }
-  Node child(std::uint32_t c, std::uint32_t r) const { return {u(c), v(r), u(c + 1), v(r + 1)}; }
+  double u(std::uint32_t c) const { return c == 0 ? box.u0 : c == columns ? box.u1 : box.u0 + box.width() * c / columns; }
+  double v(std::uint32_t r) const { return r == 0 ? box.v0 : r == rows ? box.v1 : box.v0 + box.height() * r / rows; }
+  std::uint32_t column(double at) const { return index((at - box.u0) / box.width() * columns, columns); }
+  std::uint32_t row(double at) const { return index((at - box.v0) / box.height() * rows, rows); }
+  /// Cells are counted row after row.
+  std::uint32_t cell_count() const { return columns * rows; }
+  std::uint32_t cell_at(const PlaceAndDepth& p) const { return row(p.v) * columns + column(p.u); }
+  Node child(std::uint32_t k) const {
+    const std::uint32_t c = k % columns, r = k / columns;
+    return {.box = {u(c), v(r), u(c + 1), v(r + 1)}};
+  }
 
  private:
-  static std::uint32_t cell(double at, std::uint32_t count) {
+  static std::uint32_t index(double at, std::uint32_t count) {
     return at > 0 ? std::min(static_cast<std::uint32_t>(at), count - 1) : 0;
   }
 };
 
 /// How far beyond its rectangle a cell looks: a share of the places of the face, so far above all rounding of a place.
-inline double margin_of(const Node& face) { return std::max(0x1p-20 * std::max(face.u1 - face.u0, face.v1 - face.v0), 1e-9); }
+inline double margin_of(const Places& face) { return std::max(0x1p-20 * std::max(face.width(), face.height()), 1e-9); }
 
-/// Calls visit(column, row) for the cells of a node, each grown by the margin, that a triangle may touch.
-template <class Visit>
-void for_cells(const Triangles& triangles, int face, const Node& node, double margin, const Footprint& f, Visit&& visit) {
+/// Calls visit(cell) for the cells of a node, each grown by the margin, that a triangle may touch.
+void for_cells(const Triangles& triangles, int face, const Node& node, double margin, const Footprint& f, const auto& visit) {
   const double reach = 2 * margin;
-  if (f.u1 < node.u0 - reach || f.u0 > node.u1 + reach || f.v1 < node.v0 - reach || f.v0 > node.v1 + reach) return;
-  const std::uint32_t c0 = node.column(f.u0 - reach), c1 = node.column(f.u1 + reach);
-  const std::uint32_t r0 = node.row(f.v0 - reach), r1 = node.row(f.v1 + reach);
+  if (node.box.misses(f.box, reach)) return;
+  const std::uint32_t c0 = node.column(f.box.u0 - reach), c1 = node.column(f.box.u1 + reach);
+  const std::uint32_t r0 = node.row(f.box.v0 - reach), r1 = node.row(f.box.v1 + reach);
   const bool cuts = (c1 - c0 + 1) * (r1 - r0 + 1) > 2 && !triangles.is(f.triangle, Triangles::doubtful);
   glm::dvec3 lines[3];
   double slack[3];
@@ -55,7 +59,7 @@ void for_cells(const Triangles& triangles, int face, const Node& node, double ma
           misses |= line.x * (line.x > 0 ? u1 : u0) + line.y * (line.y > 0 ? v1 : v0) + line.z < -slack[k];
         }
       }
-      if (!misses) visit(c, r);
+      if (!misses) visit(std::size_t{r} * node.columns + c);
     }
   }
 }

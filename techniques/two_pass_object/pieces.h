@@ -1,15 +1,11 @@
 #pragma once
-#include <vector>
-
 #include "triangles.h"
 
 namespace gnomon::two_pass_object {
 
 /// Mark of an edge that a caster's plane made: 8 * triangle + 2 * plane + 2, plane 3 being its own; one more where the polygon
 /// is on the inner side. 0 are the triangle's own edges and the borders of cells. `triangle` is below 2^29 - 1.
-inline std::uint32_t mark_of(std::uint32_t triangle, int plane) {
-  return 8 * (triangle + 1) + 2 * static_cast<unsigned>(plane);
-}
+inline std::uint32_t mark_of(std::uint32_t triangle, unsigned plane) { return 8 * (triangle + 1) + 2 * plane; }
 struct Mark {
   std::uint32_t triangle;
   int plane;
@@ -39,15 +35,14 @@ class Pieces {
   std::size_t size() const { return pieces_.size(); }
   std::span<const Corner> operator[](std::size_t i) const { return {corners_.data() + pieces_[i].first, pieces_[i].count}; }
 
+  /// Cuts made, and pieces that went dark.
   struct Cut {
-    std::uint32_t splits = 0,
-                  shadowed = 0;  ///< cuts made; pieces that went dark
+    std::uint32_t splits = 0, shadowed = 0;
   };
 
   /// Takes away what lies on the inner side of all planes, plane after plane. A piece of which nothing lies there stays as it
   /// is. Calls dark(corners) with each part that is taken away.
-  template <class Dark>
-  Cut take(std::span<const ClipPlane> planes, std::uint32_t triangle, double epsilon, Dark&& dark) {
+  Cut take(std::span<const ClipPlane> planes, std::uint32_t triangle, double epsilon, const auto& dark) {
     Cut cut;
     const std::size_t before = pieces_.size();
     std::size_t kept = 0;
@@ -64,8 +59,8 @@ class Pieces {
         pieces_[kept++] = piece;
       }
     }
-    if (kept < before)
-      pieces_.erase(pieces_.begin() + static_cast<std::ptrdiff_t>(kept), pieces_.begin() + static_cast<std::ptrdiff_t>(before));
+    const auto begin = pieces_.begin();
+    if (kept < before) pieces_.erase(begin + static_cast<std::ptrdiff_t>(kept), begin + static_cast<std::ptrdiff_t>(before));
     return cut;
   }
 
@@ -80,7 +75,7 @@ class Pieces {
  private:
   void add(std::span<const Corner> polygon) {
     if (corners_.size() < used_ + polygon.size()) corners_.resize(2 * (used_ + polygon.size()));
-    std::copy(polygon.begin(), polygon.end(), corners_.begin() + static_cast<std::ptrdiff_t>(used_));
+    std::ranges::copy(polygon, corners_.data() + used_);
     pieces_.push_back({static_cast<std::uint32_t>(used_), static_cast<std::uint32_t>(polygon.size())});
     used_ += polygon.size();
   }
@@ -92,7 +87,7 @@ class Pieces {
     if (is_outside(whole, planes, epsilon)) return false;
     clipper_.start(whole);
     for (std::size_t k = 0; k < planes.size(); ++k) {
-      const std::uint32_t mark = mark_of(triangle, static_cast<int>(k));
+      const std::uint32_t mark = mark_of(triangle, static_cast<unsigned>(k));
       const Lies lies = clipper_.keep_positive(planes[k], epsilon, mark);
       if (!has_inside(lies)) return false;
       if (lies != Lies::across) continue;

@@ -23,7 +23,7 @@ class SceneLightSpace {
   SceneLightSpace(const glm::dvec4& light, const Bounds& bounds) : light_(light) {
     if (bounds.empty()) return;
     const glm::dvec3 low(bounds.min), high(bounds.max), center = (low + high) / 2.0;
-    for (int k = 0; k < 3; ++k) extent_ = std::max({extent_, std::abs(low[k]), std::abs(high[k])});
+    extent_ = bounds.extent();
     diagonal_ = glm::distance(low, high);
     if (is_parallel()) {
       const glm::dvec3 away = -glm::dvec3(light) / glm::length(glm::dvec3(light));
@@ -38,13 +38,11 @@ class SceneLightSpace {
   const glm::dvec4& light() const { return light_; }
   bool is_parallel() const { return light_.w == 0; }
 
-  /// Largest coordinate of the scene, meters: what float32 rounds by.
-  double extent() const { return extent_; }
   double diagonal() const { return diagonal_; }
   /// Nothing of the scene lies deeper, in meters.
   double deepest() const { return deepest_; }
-  /// Corners this close to a plane count as on it. Cuts of cuts in double err by some 1e-15 of the extent, float32 corners
-  /// stand 6e-8 of it apart: 1e-10 is far from both.
+  /// Corners this close to a plane count as on it. Cuts of cuts in double err by some 1e-15 of the extent, and neighbors in
+  /// float32 are 6e-8 of it apart: 1e-10 is far from both.
   double epsilon() const { return 1e-10 * extent_; }
   /// More than a receiver's point in float32 lies off its triangle: the root of 3 times half a unit in the last place.
   double rounding() const { return 0x1p-22 * extent_; }
@@ -94,7 +92,8 @@ class SceneLightSpace {
   }
 
   glm::dvec4 light_{0};
-  double extent_ = 0, diagonal_ = 0, deepest_ = 0;
+  double extent_ = 0;  // largest coordinate of the scene, meters: what float32 rounds by
+  double diagonal_ = 0, deepest_ = 0;
   LightSpace space_;
 };
 

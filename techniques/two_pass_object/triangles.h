@@ -1,6 +1,5 @@
 #pragma once
-#include <gnomon/kit/geometry/receiver.h>
-#include <gnomon/kit/shared.h>
+#include <gnomon/kit/bases/point_technique.h>
 
 #include "scene_light_space.h"
 
@@ -10,15 +9,11 @@ namespace gnomon::two_pass_object {
 struct RawPlane {
   glm::dvec3 normal, on_plane;
   double at(const glm::dvec3& x) const { return glm::dot(normal, x - on_plane); }
-  /// Whether the point is on the positive side by more than a distance.
-  bool is_inside(const glm::dvec3& x, double distance) const {
-    const double value = at(x);
+  /// Whether the point is on the positive, or on the negative, side by more than a distance.
+  bool is_inside(const glm::dvec3& x, double distance) const { return is_beyond(at(x), distance); }
+  bool is_outside(const glm::dvec3& x, double distance) const { return is_beyond(-at(x), distance); }
+  bool is_beyond(double value, double distance) const {
     return value > 0 && value * value > distance * distance * glm::dot(normal, normal);
-  }
-  /// Whether it is on the negative side by more than a distance.
-  bool is_outside(const glm::dvec3& x, double distance) const {
-    const double value = at(x);
-    return value < 0 && value * value > distance * distance * glm::dot(normal, normal);
   }
   ClipPlane unit() const {
     const double length = glm::length(normal);
@@ -26,19 +21,39 @@ struct RawPlane {
   }
 };
 
-/// The triangles of a scene, mesh after mesh, and how they stand to the light.
+/// The triangles of a scene, mesh after mesh, and how they are turned to the light.
 class Triangles {
  public:
   static constexpr std::uint8_t casts = 1, receives = 2, doubtful = 4;
 
-  void build(const Scene& scene);
+  void build(const Scene& scene) {
+    flags_.clear();
+    facing_.clear();
+    *built_ = {&scene, TriangleNumbers(scene), scene.bounds(), {}, {}};
+    built_->corners.reserve(scene.triangle_count());
+    built_->flags.reserve(scene.triangle_count());
+    for_triangles(scene, [&](const glm::vec3& a, const glm::vec3& b, const glm::vec3& c, std::uint32_t m, std::uint32_t) {
+      const Mesh& mesh = scene.meshes[m];
+      built_->corners.push_back({{a, b, c}});
+      built_->flags.push_back(static_cast<std::uint8_t>((mesh.casts ? casts : 0) | (mesh.receives ? receives : 0)));
+    });
+  }
+
   /// The same triangles, to be lit by another light.
   Triangles for_guest() const {
     Triangles guest;
     guest.built_ = built_.for_guest();
     return guest;
   }
-  void relight(const glm::dvec4& light);
+  void relight(const glm::dvec4& light) {
+    space_ = SceneLightSpace(light, built_->bounds);
+    find_facing(built_->corners, light, facing_);
+    flags_ = built_->flags;
+    for_blocks(built_->corners.size(), 8192, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i)
+        if (facing_[i] != 0 && is_doubtful(static_cast<std::uint32_t>(i))) flags_[i] |= doubtful;
+    });
+  }
 
   std::size_t size() const { return built_->corners.size(); }
   const Triangle& operator[](std::uint32_t i) const { return built_->corners[i]; }
@@ -60,13 +75,13 @@ class Triangles {
     const glm::dvec3 l(space_.light());
     return {sign * (space_.is_parallel() ? glm::cross(b - a, l) : glm::cross(a - l, b - l)), a};
   }
+
   /// The triangle's own plane: positive beyond it, as the light sees it.
   RawPlane cap(std::uint32_t i) const {
-    const glm::dvec3 a(built_->corners[i].points[0]), b(built_->corners[i].points[1]), c(built_->corners[i].points[2]);
-    return {-static_cast<double>(facing_[i]) * glm::cross(b - a, c - a), a};
+    return {-static_cast<double>(facing_[i]) * (*this)[i].normal(), glm::dvec3((*this)[i].points[0])};
   }
 
-  /// Whether a triangle shades a point: exactly, as the oracle says.
+  /// Whether a triangle shades a point: exactly, as the oracle computes it.
   bool shades(std::uint32_t caster, const NumberedReceiver& receiver) const {
     return !receiver.is_own(caster) && crosses({receiver.point, space_.light()}, built_->corners[caster]) != Crossing::none &&
            !receiver.is_coplanar(*built_->scene, built_->corners[caster].points);
@@ -81,7 +96,26 @@ class Triangles {
   }
 
  private:
-  bool is_doubtful(std::uint32_t i) const;
+  /// Whether it comes as near to the light as the doubt, or one of its planes may be off by a quarter of that somewhere in the
+  /// scene. Let e = 2^-52. A cross product of two vectors errs by less than 4 e of the product of their lengths, so a normal of
+  /// length n turns by 4 e / n of it, and a value at a distance up to the diagonal D from the plane's point is off by that
+  /// angle times D.
+  bool is_doubtful(std::uint32_t i) const {
+    const glm::vec3* const p = (*this)[i].points;
+    const glm::dvec3 a(p[0]), b(p[1]), c(p[2]), l(space_.light()), reach(space_.doubt());
+    const double limit = 0.25 * space_.doubt(), e = 0x1p-50 * space_.diagonal();
+    const auto is_off = [&](const RawPlane& plane, double size) { return !(e * size < limit * glm::length(plane.normal)); };
+    if (!space_.is_parallel() && !cap(i).is_outside(l, space_.doubt()) &&
+        glm::all(glm::lessThanEqual(glm::min(a, glm::min(b, c)) - reach, l)) &&
+        glm::all(glm::greaterThanEqual(glm::max(a, glm::max(b, c)) + reach, l)))
+      return true;
+    for (int k = 0; k < 3; ++k) {
+      const glm::dvec3 from(p[k]), to(p[(k + 1) % 3]);
+      const double of_from = space_.is_parallel() ? glm::distance(from, to) : glm::distance(l, from);
+      if (is_off(side(i, k), of_from * (space_.is_parallel() ? glm::length(l) : glm::distance(l, to)))) return true;
+    }
+    return is_off(cap(i), glm::distance(a, b) * glm::distance(a, c));
+  }
 
   struct Built {
     const Scene* scene = nullptr;

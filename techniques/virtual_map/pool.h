@@ -1,8 +1,8 @@
 #pragma once
-#include <gnomon/kit/maps/light_map.h>
 #include <gnomon/kit/volumes/volume_faces.h>
 
 #include "draw_lists.h"
+#include "shaders.h"
 
 namespace gnomon::virtual_map {
 
@@ -12,25 +12,107 @@ struct PoolLayout {
   int page_size = 128, rows = 1, layers = 1;
 
   PoolLayout() = default;
-  PoolLayout(std::size_t page_count, int page_size);
+  PoolLayout(std::size_t page_count, int page_size) : page_size(page_size) {
+    const int most_rows = most_height / page_size;
+    const int all_rows = std::max(1, (static_cast<int>(page_count) + columns() - 1) / columns());
+    layers = (all_rows + most_rows - 1) / most_rows;
+    rows = (all_rows + layers - 1) / layers;
+  }
   int columns() const { return width / page_size; }
-  glm::ivec3 place(std::uint32_t slot) const;  ///< column, row, layer
+  /// Column, row, layer.
+  glm::ivec3 place(std::uint32_t slot) const {
+    const int row = static_cast<int>(slot) / columns();
+    return {static_cast<int>(slot) % columns(), row % rows, row / rows};
+  }
   /// The same as shaders read it.
-  std::uint32_t word(std::uint32_t slot) const;
+  std::uint32_t word(std::uint32_t slot) const {
+    const glm::uvec3 at(place(slot));
+    return at.z << 16 | at.y << 8 | at.x;
+  }
 };
 
 /// Draws pages. One serves all lights of a technique.
 class PageDrawer {
  public:
   /// Compiles; needs the context.
-  void setup();
+  void setup() {
+    programs_[0] = Program("virtual_map pages", "#define PARALLEL\n" + page_vertex, "void main() {}");
+    programs_[1] = Program("virtual_map pages", page_vertex, "void main() {}");
+    framebuffer_ = make_framebuffer();
+    vertex_array_ = make_vertex_array();
+  }
   /// The pages of a table, by their lists, into `pool`, which becomes D32F of the layout's size.
   void draw(const SceneBuffers& buffers, const LightCamera& camera, const PageTable& table, const DrawLists& lists,
-            const PoolLayout& layout, Texture& pool);
+            const PoolLayout& layout, Texture& pool) {
+    const int size = layout.page_size;
+    pool.fit(GL_DEPTH_COMPONENT32F, PoolLayout::width, layout.rows * size, layout.layers);
+    bind_vertices(buffers, table, lists, size);
+    const Program& program = programs_[camera.space.is_parallel() ? 0 : 1];
+    const GLuint framebuffer = framebuffer_.name();
+    glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
+    glUseProgram(program.name());
+    glEnable(GL_DEPTH_TEST);
+    glEnable(GL_DEPTH_CLAMP);
+    glDepthFunc(GL_GREATER);
+    int face = -1, layer = -1;
+    for (std::uint32_t k = 0; k < table.pages.size(); ++k) {
+      const glm::ivec3 place = layout.place(k);
+      if (place.z != layer) {
+        layer = place.z;
+        glNamedFramebufferTextureLayer(framebuffer, GL_DEPTH_ATTACHMENT, pool.name(), 0, layer);
+        const float infinitely_far = 0;
+        glClearNamedFramebufferfv(framebuffer, GL_DEPTH, 0, &infinitely_far);
+      }
+      if (table.pages[k].face() != face) {
+        face = table.pages[k].face();
+        set_image(program, camera.images[face]);
+      }
+      glViewport(place.x * size, place.y * size, size, size);
+      for (const std::uint32_t bin : {2 * k, 2 * k + 1}) {
+        const std::uint32_t begin = lists.bins.begin[bin], end = lists.bins.begin[bin + 1];
+        if (begin == end) continue;
+        const auto* const first = reinterpret_cast<const void*>(std::uintptr_t(begin) * 3 * sizeof(std::uint32_t));
+        glDrawElementsInstancedBaseInstance(GL_TRIANGLES, static_cast<GLsizei>(3 * (end - begin)), GL_UNSIGNED_INT, first, 1,
+                                            k);
+      }
+    }
+    glDisable(GL_DEPTH_CLAMP);
+    glDisable(GL_DEPTH_TEST);
+    glBindVertexArray(0);
+    glNamedFramebufferTexture(framebuffer, GL_DEPTH_ATTACHMENT, 0, 0);
+  }
   std::size_t bytes() const { return corners_.bytes() + placements_.bytes(); }
 
  private:
-  static void set_image(const Program& program, const LightImage& image);
+  void bind_vertices(const SceneBuffers& buffers, const PageTable& table, const DrawLists& lists, int page_size) {
+    corners_.rewrite(lists.corners);
+    placements_.rewrite<glm::vec3>(table.pages.size(), [&](auto room) {
+      for (std::size_t k = 0; k < table.pages.size(); ++k) {
+        const glm::ivec2 page = table.pages[k].page();
+        room[k] = {std::ldexp(2.0f / static_cast<float>(page_size), -table.pages[k].level()), 2 * page.x + 1, 2 * page.y + 1};
+      }
+    });
+    const GLuint vao = vertex_array_.name();
+    glVertexArrayVertexBuffer(vao, 0, buffers.positions.name(), 0, sizeof(glm::vec3));
+    glVertexArrayVertexBuffer(vao, 1, placements_.name(), 0, sizeof(glm::vec3));
+    glVertexArrayBindingDivisor(vao, 1, 1);
+    for (GLuint k = 0; k < 2; ++k) {
+      glVertexArrayAttribFormat(vao, k, 3, GL_FLOAT, GL_FALSE, 0);
+      glVertexArrayAttribBinding(vao, k, k);
+      glEnableVertexArrayAttrib(vao, k);
+    }
+    glVertexArrayElementBuffer(vao, corners_.name());
+    glBindVertexArray(vao);
+  }
+  static void set_image(const Program& program, const LightImage& image) {
+    const glm::dvec2 along_axis = image.is_perspective ? image.offset : glm::dvec2(0);
+    const glm::dmat3 rows(image.axis(0) * image.scale.x + image.axis(2) * along_axis.x,
+                          image.axis(1) * image.scale.y + image.axis(2) * along_axis.y, image.axis(2));
+    program.set("axes", glm::mat3(glm::transpose(rows)));
+    program.set("origin", glm::vec3(image.origin));
+    program.set("image", glm::vec4(image.near, image.far, image.offset));
+  }
+
   Program programs_[2];  // parallel rays, rays from a center
   Framebuffer framebuffer_;
   VertexArray vertex_array_;

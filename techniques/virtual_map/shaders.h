@@ -5,7 +5,7 @@
 
 #include "pages.h"
 
-// What shaders of a virtual map share. The head defines, beside PROJECTION: PAGE, texels along a page's side, and PAGE_BITS,
+// GLSL of a virtual map. The head defines, beside PROJECTION: PAGE, texels along a page's side, and PAGE_BITS,
 // its logarithm; TOP, the level of one page; FINEST, texels along a side of level 0.
 namespace gnomon::virtual_map {
 
@@ -37,9 +37,9 @@ void main() {
 )";
 
 /// Beside the camera's constants: one for the look-up.
-inline std::string look_up_constants(LightProjection projection) { return light_map_constants(projection) + "vec4 look_up;"; }
+inline constexpr std::string_view look_up_constants = "vec4 look_up;";
 
-/// Which page each pixel asks for, as PageAddress has it. The pixel's footprint is exact: its sides are followed along the
+/// Which page each pixel requests, as a PageAddress. The pixel's footprint is exact: its sides are followed along the
 /// tangent plane. What that takes comes as uniforms, for a cube leaves one of OpenGL's fifteen flat inputs. The head defines
 /// MEASURE: 0 for the shorter side, 1 for the mean.
 inline const std::string address_fragment = std::string(gbuffer_snippet) + std::string(light_map_snippet) + R"(
@@ -77,11 +77,7 @@ void main() {
   // Texels of level 0 along a pixel: singular values of the matrix (a b).
   float sum = length(vec2(a.x + b.y, b.x - a.y)), difference = length(vec2(a.x - b.y, b.x + a.y));
   float longer = (sum + difference) / 2, shorter = abs(sum - difference) / 2;
-#if MEASURE == 0
-  float texels = max(shorter, longer / 8);
-#else
-  float texels = sqrt(longer * shorter);
-#endif
+  float texels = MEASURE == 0 ? max(shorter, longer / 8) : sqrt(longer * shorter);
   float level = clamp(floor(log2(max(texels, 1e-30)) - eye.w), 0, TOP);
   bool inside = all(greaterThanEqual(position, vec2(0))) && all(lessThan(position, vec2(FINEST)));
   uvec2 page = uvec2(position) >> (uint(level) + PAGE_BITS);

@@ -28,12 +28,13 @@ Scene small_scene() {
 
 std::string small_answer() {
   importing::MeshFile file;
-  file.meshes.push_back({.name = "m",
-                         .places = {glm::dmat4(1)},
-                         .has_color = true,
-                         .positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}},
-                         .corner_counts = {3, 4},
-                         .corners = {0, 1, 2, 0, 1, 3, 2}});
+  importing::ImportedMesh& mesh = file.meshes.emplace_back();
+  mesh.name = "m";
+  mesh.has_color = true;
+  mesh.places = {glm::dmat4(1)};
+  mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}};
+  mesh.add_triangle(0, 1, 2);
+  mesh.add_face(std::array{0u, 1u, 3u, 2u});
   file.cameras.push_back({.name = "eye", .eye = {0, 0, 5}, .fov_y = 0.7});
   file.lights.push_back({.name = "sun", .kind = importing::ImportedLightKind::directional});
   file.lights.push_back(

@@ -178,3 +178,6 @@ export async function readOut(page) {
       Object.fromEntries(items.map((item) => [item.children[0].textContent, item.children[1].textContent])),
     );
 }
+
+/** Chooses how to compare. The label is clicked, as a reader does it, once it lies still: what was chosen before may still move it. */
+export const choose = (page, mode) => page.locator(".modes label").filter({ has: page.locator(`input[value=${mode}]`) }).click();

@@ -4,8 +4,8 @@ import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
 
 import { bytesOf, sharesOf } from "./blobs.js";
-import { accessFindings, closeBrowser, colorAt, dataOf, openBrowser, readOut, saved, settled } from "./browser.js";
-import { choose, makeSoftRun, openPictures, rowOf } from "./soft_run.js";
+import { accessFindings, choose, closeBrowser, colorAt, dataOf, openBrowser, readOut, saved, settled } from "./browser.js";
+import { makeSoftRun, openPictures, rowOf } from "./soft_run.js";
 
 before(async () => {
   makeSoftRun();

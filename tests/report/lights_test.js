@@ -6,7 +6,7 @@ import { join } from "node:path";
 import { after, before, test } from "node:test";
 
 import { sharesOf } from "./blobs.js";
-import { closeBrowser, dataOf, gnomon, home, open, openBrowser, saved, settled } from "./browser.js";
+import { choose, closeBrowser, dataOf, gnomon, home, open, openBrowser, saved, settled } from "./browser.js";
 
 // A card over a floor between two lamps of equal strength at the same height: left of the middle the left one gives more.
 const scene = `
@@ -76,7 +76,7 @@ test("the pictures of several lights are all together, and each alone", async ()
   for (const label of choices) {
     await pictures.locator("select[name=picture]").selectOption({ label });
     for (const mode of ["error", "causes", "classes", "difference", "wipe"])
-      await page.locator(`input[name=mode][value=${mode}]`).check({ force: true });
+      await choose(page, mode);
     await settled(page);
     assert.equal(await pictures.locator(".notice:visible").count(), 0, label);
   }
@@ -90,7 +90,7 @@ test("the legend says the error of all together, and none of one light's", async
   const pictures = page.locator("#pictures");
   await pictures.locator("select[name=picture]").selectOption({ label: "lamps.toml \u00b7 all+" });
   await pictures.locator("select[name=a]").selectOption({ label: "unshadowed" });
-  await page.locator("input[name=mode][value=error]").check({ force: true });
+  await choose(page, "error");
   await settled(page);
   const legend = () => pictures.locator('ul[aria-label="Colors of the picture"]').textContent();
   assert.match(await legend(), /error [\d.]+ %, floor [\d.]+ %/);

@@ -78,5 +78,3 @@ export async function openPictures(a, { of = report, scene = "card.toml" } = {})
   await settled(page);
   return page;
 }
-
-export const choose = (page, mode) => page.locator(`input[name=mode][value=${mode}]`).check({ force: true });

@@ -6,8 +6,8 @@ import { join } from "node:path";
 import { after, before, test } from "node:test";
 
 import { bytesOf, sharesOf } from "./blobs.js";
-import { closeBrowser, colorAt, dataOf, gnomon, home, open, openBrowser, readOut, saved, settled, shownRows } from "./browser.js";
-import { choose, makeSoftRun, openPictures, report, rowOf, scene } from "./soft_run.js";
+import { choose, closeBrowser, colorAt, dataOf, gnomon, home, open, openBrowser, readOut, saved, settled, shownRows } from "./browser.js";
+import { makeSoftRun, openPictures, report, rowOf, scene } from "./soft_run.js";
 
 before(async () => {
   makeSoftRun();

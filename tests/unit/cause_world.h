@@ -1,5 +1,6 @@
 #pragma once
 // Small scenes under a sun with a reference and a mask to be spoiled, for tests of the causes of errors.
+#include <gnomon/kit/rays/gbuffer_maker.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -9,7 +10,6 @@
 
 #include "hand_made.h"
 #include "measure/cause/causes.h"
-#include "measure/frame/gbuffer_maker.h"
 #include "measure/frame/light_rays.h"
 #include "test_map.h"
 

@@ -18,7 +18,7 @@ constexpr std::uint32_t reversed(std::uint32_t bits) {
   return bits << 16 | bits >> 16;
 }
 
-/// Nested uniform scrambling (Owen 1995) of digits that stand in reverse, by hashing (Laine and Karras 2011): no step lets a
+/// Nested uniform scrambling (Owen 1995) of digits in reverse order, by hashing (Laine and Karras 2011): no step lets a
 /// bit depend on those above it, which are the later digits. The random number that is added last makes every place as likely
 /// as every other, whatever comes before.
 constexpr float scrambled(std::uint32_t digits, std::uint32_t factor, std::uint32_t random) {
@@ -29,15 +29,16 @@ constexpr float scrambled(std::uint32_t digits, std::uint32_t factor, std::uint3
   return static_cast<float>(static_cast<std::int32_t>(reversed(digits) >> 8)) * 0x1p-24f;
 }
 
-/// Places of a sequence, their digits in reverse, each by a scramble of its own.
-GNOMON_VECTORIZED void scramble(const std::uint32_t* x, const std::uint32_t* y, const std::uint32_t* random_x,
-                                const std::uint32_t* random_y, const std::uint32_t* factor, Squares& __restrict squares) {
-  for (int k = 0; k < ray_lanes; ++k) squares.x[k] = scrambled(x[k], factor[k], random_x[k]);
-  for (int k = 0; k < ray_lanes; ++k) squares.y[k] = scrambled(y[k], factor[k], random_y[k]);
+/// Places of one sequence from number `first` on, by one scramble; `second` has their digits in the second dimension.
+GNOMON_VECTORIZED void scramble_first(std::uint32_t first, const std::uint32_t* second, std::uint32_t random_x,
+                                      std::uint32_t random_y, std::uint32_t factor, Squares& __restrict squares) {
+  constexpr std::uint32_t count = ray_lanes;
+  for (std::uint32_t k = 0; k < count; ++k) squares.x[k] = scrambled(first + k, factor, random_x);
+  for (std::uint32_t k = 0; k < count; ++k) squares.y[k] = scrambled(second[k], factor, random_y);
 }
 
-/// The same of a round: of sequence k the places `index` and the one after it, whose digits in the second dimension are
-/// `second` and that with its first digit turned over.
+/// The places of a round, each sequence by a scramble of its own: of sequence k the places `index` and the one after it, whose
+/// digits in the second dimension are `second` and that with its first digit turned over.
 GNOMON_VECTORIZED void scramble_round(std::uint32_t index, std::uint32_t second, const std::uint32_t* random_x,
                                       const std::uint32_t* random_y, const std::uint32_t* factor, Squares& __restrict squares) {
   constexpr std::uint32_t count = ray_lanes;
@@ -67,12 +68,12 @@ GNOMON_VECTORIZED void find_cells(const float* x, const float* y, std::uint32_t*
 
 }  // namespace
 
-Squares places_on(const LightFigure& face, const Squares& squares) {
-  const LightFigure::Box& box = face.box();
+Squares places_on(const LightFigure& figure, const Squares& squares) {
+  const LightFigure::Box& box = figure.box();
   Squares result;
   for (int k = 0; k < ray_lanes; ++k) {
     glm::dvec2 place(2.0 * squares.x[k] - 1, 2.0 * squares.y[k] - 1);
-    if (face.is_disc()) {
+    if (figure.is_disc()) {
       const bool is_flat = std::abs(place.x) > std::abs(place.y);
       const double radius = is_flat ? place.x : place.y, other = is_flat ? place.y : place.x;
       const double turn = radius != 0 ? std::numbers::pi / 4 * other / radius : 0;
@@ -101,20 +102,15 @@ Squares Scramble::of_each(std::uint32_t round) const {
 }
 
 Squares Scramble::of_first(std::uint32_t group) const {
-  std::array<std::uint32_t, ray_lanes> x, y, of_x, of_y, factor;
-  for (std::uint32_t k = 0; k < ray_lanes; ++k) {
-    x[k] = ray_lanes * group + k;
-    y[k] = second_of(x[k]);
-  }
-  of_x.fill(x_[0]);
-  of_y.fill(y_[0]);
-  factor.fill(factor_[0]);
+  const std::uint32_t first = ray_lanes * group;
+  std::array<std::uint32_t, ray_lanes> second;
+  for (std::uint32_t k = 0; k < ray_lanes; ++k) second[k] = second_of(first + k);
   Squares squares;
-  scramble(x.data(), y.data(), of_x.data(), of_y.data(), factor.data(), squares);
+  scramble_first(first, second.data(), x_[0], y_[0], factor_[0], squares);
   return squares;
 }
 
-// Of 64 places of one sequence from a multiple of 64 on each cell holds one: no two want the same slot.
+// Of 64 places of one sequence from a multiple of 64 on each cell holds one: no two have the same slot.
 void SortedRounds::sort(const Scramble& scramble, std::uint32_t from, std::uint32_t to) {
   count_ = to - from;
   std::array<std::uint64_t, ray_replicas> taken{};

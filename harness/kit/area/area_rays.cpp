@@ -4,9 +4,7 @@
 
 #include <algorithm>
 #include <atomic>
-#include <bit>
 #include <cmath>
-#include <numbers>
 #include <numeric>
 
 namespace gnomon {
@@ -44,7 +42,7 @@ GNOMON_VECTORIZED std::uint32_t aim(const float* f, const float* x, const float*
   return held;
 }
 
-/// Of each replica: places asked and blocked, and the weights of both; and the largest weight of all.
+/// Of each replica: places asked and blocked, and the weights of both. And the largest weight of all.
 struct Sums {
   std::array<double, ray_replicas> asked{}, blocked{}, weight{}, blocked_weight{};
   float heaviest = 0;
@@ -54,20 +52,14 @@ struct Share {
   double value = 1, error = 0, half = 1;
 };
 
-/// The share seen: all replicas together, the standard error of that by their spread, and half of them alone. Of a ratio: each
-/// replica is off by what its dark part differs from the share of all that it asked, in units of a mean replica.
+/// The share seen: by all replicas together, with its standard error from their spread, and by half of them alone. Of a ratio:
+/// a replica is off by what its dark part differs from that share of its rays, in units of a mean replica.
 Share share_of(const std::array<double, ray_replicas>& all, const std::array<double, ray_replicas>& dark) {
-  double sum = 0, sum_dark = 0;
-  for (int k = 0; k < ray_replicas; ++k) {
-    sum += all[k];
-    sum_dark += dark[k];
-  }
+  const auto total = [](const auto& of, int count) { return std::accumulate(of.begin(), of.begin() + count, 0.0); };
+  const double sum = total(all, ray_replicas), sum_dark = total(dark, ray_replicas);
   if (!(sum > 0)) return {};
-  double squares = 0, half = 0, half_dark = 0;
-  for (int k = 0; k < ray_replicas / 2; ++k) {
-    half += all[k];
-    half_dark += dark[k];
-  }
+  const double half = total(all, ray_replicas / 2), half_dark = total(dark, ray_replicas / 2);
+  double squares = 0;
   for (int k = 0; k < ray_replicas; ++k) {
     const double off = (dark[k] - sum_dark / sum * all[k]) * ray_replicas / sum;
     squares += off * off;
@@ -92,7 +84,7 @@ GNOMON_VECTORIZED void add_up(std::uint32_t asked, std::uint32_t blocked, const 
   }
 }
 
-/// Asks for places of rounds from .. to - 1 of each replica.
+/// Traces rays to the places of rounds from .. to - 1 of each replica.
 void ask(const FaceRays& rays, const Scramble& scramble, std::uint32_t from, std::uint32_t to, Sums& sums) {
   SortedRounds sorted;
   for (std::uint32_t end; from < to; from = end) {
@@ -115,15 +107,13 @@ void ask(const FaceRays& rays, const Scramble& scramble, std::uint32_t from, std
 
 SampledShares shares_of(const Sums& sums) {
   const Share area = share_of(sums.asked, sums.blocked), irradiance = share_of(sums.weight, sums.blocked_weight);
-  double rays = 0;
-  for (const double asked : sums.asked) rays += asked;
   return {.area = area.value,
           .irradiance = irradiance.value,
           .area_error = area.error,
           .irradiance_error = irradiance.error,
           .area_half = area.half,
           .irradiance_half = irradiance.half,
-          .rays = static_cast<std::uint32_t>(rays)};
+          .rays = static_cast<std::uint32_t>(std::accumulate(sums.asked.begin(), sums.asked.end(), 0.0))};
 }
 
 /// What one ray more or less makes of the irradiance, where its weight is half of the heaviest one's: a place that is so near
@@ -142,26 +132,26 @@ glm::vec3 lift_of(const GBuffer& gbuffer, std::size_t pixel) {
 double area_ray_offset(const glm::vec3& point) { return ray_offset(point) / 4; }
 
 FaceRays::FaceRays(const RayScene& casters, const glm::vec3& origin, const glm::vec3& lift, std::uint32_t mesh,
-                   std::uint32_t triangle, const LightFigure& face)
+                   std::uint32_t triangle, const LightFigure& figure)
     : casters_(casters) {
   mesh_.fill(mesh);
   triangle_.fill(triangle);
-  const glm::dvec3 axis = glm::normalize(glm::cross(face.half_u(), face.half_v()));
+  const glm::dvec3 axis = glm::normalize(glm::cross(figure.half_u(), figure.half_v()));
   // In this unit weights keep within float32, as near or far and as large or small as the light may be.
-  const double unit = 1 / std::max({glm::length(face.center()), glm::length(face.half_u()), glm::length(face.half_v())});
+  const double unit = 1 / std::max({glm::length(figure.center()), glm::length(figure.half_u()), glm::length(figure.half_v())});
   float* next = numbers_.data();
-  for (const glm::dvec3& vector :
-       {face.center(), face.half_u(), face.half_v(), face.normal(), axis, glm::dvec3(origin), glm::dvec3(lift), face.horizon()})
+  for (const glm::dvec3& vector : {figure.center(), figure.half_u(), figure.half_v(), figure.normal(), axis, glm::dvec3(origin),
+                                   glm::dvec3(lift), figure.horizon()})
     for (int k = 0; k < 3; ++k) *next++ = static_cast<float>(vector[k]);
-  const LightFigure::Box& box = face.box();
+  const LightFigure::Box& box = figure.box();
   for (const double number :
-       {box.low.x, box.low.y, box.high.x - box.low.x, box.high.y - box.low.y, face.is_disc() ? 1.0 : 0.0, unit})
+       {box.low.x, box.low.y, box.high.x - box.low.x, box.high.y - box.low.y, figure.is_disc() ? 1.0 : 0.0, unit})
     *next++ = static_cast<float>(number);
 }
 
-FaceRays::FaceRays(const RayScene& casters, const GBuffer& gbuffer, std::size_t pixel, const LightFigure& face)
+FaceRays::FaceRays(const RayScene& casters, const GBuffer& gbuffer, std::size_t pixel, const LightFigure& figure)
     : FaceRays(casters, gbuffer.position(pixel) + lift_of(gbuffer, pixel), lift_of(gbuffer, pixel), gbuffer.mesh[pixel],
-               gbuffer.triangle[pixel], face) {}
+               gbuffer.triangle[pixel], figure) {}
 
 std::uint32_t FaceRays::aim_at(const Squares& squares, ShadowPacket& packet) const {
   alignas(64) std::array<float, ray_lanes> weight;
@@ -206,7 +196,7 @@ SampledShares sample_shares(const FaceRays& rays, std::uint64_t seed, const Area
     shares.pilot_rays = foretold.rays;
     const double one_ray = 1.0 / std::max(shares.rays, 1u), one_heavy_ray = one_ray_of_irradiance(sums);
     const double spread = std::max(error_of(shares), one_heavy_ray);
-    // Eight replicas that happen to agree would state too little: what the pilot and those asked before foretell for so many
+    // Eight replicas that happen to agree would state too little: what the pilot and earlier rounds predict for so many
     // rays is a floor. Without the latter rays that go on until they agree would have the error of those that happen to.
     const double by_now = std::pow(known_rounds / asked, 0.75);
     known_area = std::max(by_now * known_area, shares.area_error);
@@ -236,9 +226,9 @@ std::size_t trace_shares(const RayScene& casters, const Scene& scene, const GBuf
     for (std::size_t i = begin; i < end; ++i) {
       visibility[i] = 1;
       if (gbuffer.is_background(i) || !scene.meshes[gbuffer.mesh[i]].receives) continue;
-      const LightFigure face(light, gbuffer.position(i), gbuffer.normal(i));
-      if (!face.is_seen()) continue;
-      const SampledShares shares = sample_shares(FaceRays(casters, gbuffer, i, face), i, target);
+      const LightFigure figure(light, gbuffer.position(i), gbuffer.normal(i));
+      if (!figure.is_seen()) continue;
+      const SampledShares shares = sample_shares(FaceRays(casters, gbuffer, i, figure), i, target);
       visibility[i] = static_cast<float>(shares.area);
       rays += shares.rays + shares.pilot_rays;
     }

@@ -1,4 +1,5 @@
 #include <gnomon/kit/area/light_figure.h>
+#include <gnomon/kit/area/light_shape.h>
 #include <gnomon/kit/geometry/across.h>
 
 #include <algorithm>
@@ -92,30 +93,23 @@ void clip_places(std::vector<glm::dvec2>& polygon, const glm::dvec3& line) {
 }
 
 LightFigure::LightFigure(const Light& light, const glm::dvec3& point, const glm::dvec3& normal) : normal_(normal) {
-  bool one_sided = false;
-  if (const auto* rect = std::get_if<RectLight>(&light.kind)) {
-    center_ = glm::dvec3(rect->center) - point;
-    half_u_ = rect->half_u;
-    half_v_ = rect->half_v;
-    one_sided = rect->emits == Emits::in_front;
-  } else {
-    is_disc_ = true;
+  const LightShape shape(light);
+  glm::dvec3 center = shape.center - point;
+  half_u_ = shape.half_u;
+  half_v_ = shape.half_v;
+  is_disc_ = shape.form != LightShape::Form::rectangle;
+  if (is_disc_) {
     glm::dvec3 axis;
-    double radius = 0;
-    if (const auto* disc = std::get_if<DiscLight>(&light.kind)) {
-      center_ = glm::dvec3(disc->center) - point;
-      axis = glm::normalize(glm::dvec3(disc->normal));
-      radius = disc->radius;
-      one_sided = disc->emits == Emits::in_front;
+    double radius = shape.radius;
+    if (shape.is_flat()) {
+      axis = shape.front();
     } else {
       // Tangents from the distance d touch a sphere of radius r in a circle at d - r^2 / d, of radius r sqrt(1 - r^2 / d^2).
-      const auto& sphere = std::get<SphereLight>(light.kind);
-      const glm::dvec3 to = glm::dvec3(sphere.center) - point;
-      const double square = glm::dot(to, to), share = static_cast<double>(sphere.radius) * sphere.radius / square;
+      const double square = glm::dot(center, center), share = radius * radius / square;
       if (!(share < 1)) return;
-      center_ = (1 - share) * to;
-      axis = to / std::sqrt(square);
-      radius = sphere.radius * std::sqrt(1 - share);
+      axis = center / std::sqrt(square);
+      center *= 1 - share;
+      radius *= std::sqrt(1 - share);
     }
     // Along u the height over the horizon grows, along v it stays.
     const glm::dvec3 level = glm::cross(axis, normal);
@@ -124,11 +118,12 @@ LightFigure::LightFigure(const Light& light, const glm::dvec3& point, const glm:
     half_v_ = radius * across.u;
     if (glm::dot(half_u_, normal) < 0) half_u_ = -half_u_;
   }
+  center_ = center;
   axis_ = glm::cross(half_u_, half_v_);
   horizon_ = {glm::dot(normal, center_), glm::dot(normal, half_u_), glm::dot(normal, half_v_)};
-  const glm::dvec3 front = is_disc_ && one_sided ? glm::dvec3(std::get<DiscLight>(light.kind).normal) : axis_;
+  const glm::dvec3 front = is_disc_ && shape.is_one_sided ? shape.across : axis_;
   const double before = -glm::dot(front, center_);  // of the plane: positive where the point is on the front's side
-  if (one_sided ? !(before > 0) : before == 0) return;
+  if (shape.is_one_sided ? !(before > 0) : before == 0) return;
   if (is_disc_) {
     const double rise = std::hypot(horizon_.y, horizon_.z);
     if (!(horizon_.x + rise > 0)) return;
@@ -144,10 +139,7 @@ LightFigure::LightFigure(const Light& light, const glm::dvec3& point, const glm:
     clip_places(seen, horizon_);
     if (seen.size() < 3) return;
     box_ = {seen[0], seen[0]};
-    for (const glm::dvec2& place : seen) {
-      box_.low = glm::min(box_.low, place);
-      box_.high = glm::max(box_.high, place);
-    }
+    for (const glm::dvec2& place : seen) box_.add(place);
     if (!(box_.low.x < box_.high.x && box_.low.y < box_.high.y)) return;
   }
   is_seen_ = true;
@@ -180,13 +172,12 @@ double LightFigure::irradiance() const {
 }
 
 double LightFigure::of_rectangle(bool is_cut) const {
-  double sum = 0;
   if (!is_cut) {
     const glm::dvec3 u = 2.0 * half_u_, v = 2.0 * half_v_;
-    sum = along_edge(at({-1, -1}), u, normal_) + along_edge(at({1, -1}), v, normal_) + along_edge(at({1, 1}), -u, normal_) +
-          along_edge(at({-1, 1}), -v, normal_);
-    return std::abs(sum);
+    return std::abs(along_edge(at({-1, -1}), u, normal_) + along_edge(at({1, -1}), v, normal_) +
+                    along_edge(at({1, 1}), -u, normal_) + along_edge(at({-1, 1}), -v, normal_));
   }
+  double sum = 0;
   std::vector<glm::dvec2> seen = square();
   clip_places(seen, horizon_);
   for (std::size_t i = 0; i < seen.size(); ++i) {
@@ -207,8 +198,7 @@ double LightFigure::highest() const {
     const bool is_inside = is_disc_ ? glm::dot(place, place) <= 1 : std::max(std::abs(place.x), std::abs(place.y)) <= 1;
     if (distance > 0 && is_inside) return 1;
   }
-  std::vector<glm::dvec2> outline;
-  if (!is_disc_) outline = square();
+  std::vector<glm::dvec2> outline = is_disc_ ? std::vector<glm::dvec2>() : square();
   constexpr int corner_count = 64;
   for (int k = 0; is_disc_ && k < corner_count; ++k) {
     const double angle = 2 * std::numbers::pi * k / corner_count;

@@ -9,54 +9,18 @@ namespace gnomon {
 
 namespace {
 
-/// Twice the area of a convex polygon of places, as it is wound.
-double twice_area(std::span<const glm::dvec2> polygon) {
-  double sum = 0;
-  for (std::size_t i = 2; i < polygon.size(); ++i) {
-    const glm::dvec2 a = polygon[i - 1] - polygon[0], b = polygon[i] - polygon[0];
-    sum += a.x * b.y - a.y * b.x;
-  }
-  return sum;
-}
-
-/// Divides a convex polygon by a line. The point where an edge crosses is reckoned from its inner end, so that both parts get
-/// the same one.
-void divide(std::span<const glm::dvec2> polygon, const glm::dvec3& line, std::vector<glm::dvec2>& inside,
-            std::vector<glm::dvec2>& outside) {
-  inside.clear();
-  outside.clear();
-  double at_here = line_at(line, polygon[0]);
-  for (std::size_t i = 0; i < polygon.size(); ++i) {
-    const glm::dvec2 &here = polygon[i], &next = polygon[i + 1 < polygon.size() ? i + 1 : 0];
-    const double at_next = line_at(line, next);
-    if (at_here >= 0) inside.push_back(here);
-    if (at_here <= 0) outside.push_back(here);
-    if ((at_here > 0 && at_next < 0) || (at_here < 0 && at_next > 0)) {
-      const bool starts_inside = at_here > 0;
-      const glm::dvec2 &in = starts_inside ? here : next, &out = starts_inside ? next : here;
-      const double at_in = std::max(at_here, at_next), at_out = std::min(at_here, at_next);
-      const glm::dvec2 crossing = in + at_in / (at_in - at_out) * (out - in);
-      inside.push_back(crossing);
-      outside.push_back(crossing);
-    }
-    at_here = at_next;
-  }
-}
-
-/// Twice this area is a piece at least.
+/// Twice the area of the smallest piece that is kept.
 constexpr double least_area = 4e-13;
 
-/// Corners on the unit circle, and those of the polygon around it whose sides touch it there.
+/// Corners of the polygon around the unit circle whose sides touch it. A place within `least_radius` is inside the polygon that
+/// is inscribed where they touch.
 struct RoundCorners {
-  std::array<glm::dvec2, LightPieces::round_corners> on, around;
-  double least_radius =
-      std::cos(std::numbers::pi / LightPieces::round_corners);  ///< within, a place is inside the inner polygon
+  std::array<glm::dvec2, LightPieces::round_corners> around;
+  double least_radius = std::cos(std::numbers::pi / LightPieces::round_corners);
   RoundCorners() {
     const double step = 2 * std::numbers::pi / LightPieces::round_corners;
-    for (int k = 0; k < LightPieces::round_corners; ++k) {
-      on[k] = {std::cos(step * k), std::sin(step * k)};
+    for (int k = 0; k < LightPieces::round_corners; ++k)
       around[k] = glm::dvec2(std::cos(step * (k + 0.5)), std::sin(step * (k + 0.5))) / least_radius;
-    }
   }
 };
 const RoundCorners round_figure;
@@ -65,28 +29,26 @@ const RoundCorners round_figure;
 
 void LightPieces::add(std::span<const glm::dvec2> polygon) {
   if (polygon.size() < 3 || std::abs(twice_area(polygon)) < least_area) return;
-  Piece piece{static_cast<std::uint32_t>(corners_.size()), static_cast<std::uint32_t>(polygon.size()), polygon[0], polygon[0]};
-  for (const glm::dvec2& corner : polygon) {
-    piece.low = glm::min(piece.low, corner);
-    piece.high = glm::max(piece.high, corner);
-    corners_.push_back(corner);
-  }
+  Piece piece{
+      static_cast<std::uint32_t>(corners_.size()), static_cast<std::uint32_t>(polygon.size()), {polygon[0], polygon[0]}};
+  for (const glm::dvec2& corner : polygon) piece.box.add(corner);
+  corners_.insert(corners_.end(), polygon.begin(), polygon.end());
   live_corners_ += polygon.size();
   pieces_.push_back(piece);
 }
 
-void LightPieces::start(const LightFigure& face) {
-  face_ = &face;
+void LightPieces::start(const LightFigure& figure) {
+  figure_ = &figure;
   pieces_.clear();
   corners_.clear();
   live_corners_ = 0;
   is_whole_ = true;
-  if (face.is_disc())
+  if (figure.is_disc())
     whole_.assign(round_figure.around.begin(), round_figure.around.end());
   else
     whole_ = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}};
-  const auto is_below = [&](const glm::dvec2& place) { return line_at(face.horizon(), place) < 0; };
-  if (std::ranges::any_of(whole_, is_below)) clip_places(whole_, face.horizon());
+  const auto is_below = [&](const glm::dvec2& place) { return line_at(figure.horizon(), place) < 0; };
+  if (std::ranges::any_of(whole_, is_below)) clip_places(whole_, figure.horizon());
   add(whole_);
 }
 
@@ -94,8 +56,8 @@ void LightPieces::subtract(const glm::dvec3& a, const glm::dvec3& b, const glm::
   const double turn = glm::dot(glm::cross(a, b), c);
   if (turn == 0) return;
   // Only what is before the light's plane, on the point's side, can cover it.
-  const glm::dvec3 axis = glm::cross(face_->half_u(), face_->half_v());
-  const double plane = glm::dot(axis, face_->center());
+  const glm::dvec3 axis = glm::cross(figure_->half_u(), figure_->half_v());
+  const double plane = glm::dot(axis, figure_->center());
   const auto before = [&](const glm::dvec3& corner) {
     return plane > 0 ? plane - glm::dot(axis, corner) : glm::dot(axis, corner) - plane;
   };
@@ -103,8 +65,8 @@ void LightPieces::subtract(const glm::dvec3& a, const glm::dvec3& b, const glm::
   if (most <= 0) return;
   const auto line_of = [&](const glm::dvec3& across, double offset) {
     const double sign = turn > 0 ? 1 : -1;
-    return sign * glm::dvec3(glm::dot(across, face_->center()) - offset, glm::dot(across, face_->half_u()),
-                             glm::dot(across, face_->half_v()));
+    return sign * glm::dvec3(glm::dot(across, figure_->center()) - offset, glm::dot(across, figure_->half_u()),
+                             glm::dot(across, figure_->half_v()));
   };
   std::array<glm::dvec3, 4> lines = {line_of(glm::cross(a, b), 0), line_of(glm::cross(b, c), 0), line_of(glm::cross(c, a), 0)};
   // Of a triangle across the light's plane only places beyond its own plane are covered, which the two planes' common line
@@ -120,7 +82,7 @@ void LightPieces::subtract(const glm::dvec3& a, const glm::dvec3& b, const glm::
 void LightPieces::subtract_region(std::span<const glm::dvec3> lines) {
   const auto misses = [&](const Piece& piece) {
     for (const glm::dvec3& line : lines) {
-      const glm::dvec2 best(line.y > 0 ? piece.high.x : piece.low.x, line.z > 0 ? piece.high.y : piece.low.y);
+      const glm::dvec2 best(line.y > 0 ? piece.box.high.x : piece.box.low.x, line.z > 0 ? piece.box.high.y : piece.box.low.y);
       if (!(line_at(line, best) > 0)) return true;
     }
     return false;
@@ -142,7 +104,11 @@ bool LightPieces::cut(const Piece& piece, std::span<const glm::dvec3> lines) {
   rest_.assign(whole.begin(), whole.end());
   const std::size_t piece_count = pieces_.size(), corner_count = corners_.size(), live_count = live_corners_;
   for (const glm::dvec3& line : lines) {
-    divide(rest_, line, inside_, outside_);
+    inside_.clear();
+    outside_.clear();
+    divide_places(
+        rest_, line, [&](const glm::dvec2& place) { inside_.push_back(place); },
+        [&](const glm::dvec2& place) { outside_.push_back(place); });
     add(outside_);
     rest_.swap(inside_);
     if (rest_.size() >= 3 && std::abs(twice_area(rest_)) >= least_area) continue;
@@ -168,12 +134,12 @@ void LightPieces::pack() {
 
 LightPieces::Measure LightPieces::measure(std::span<const glm::dvec2> polygon) const {
   Measure result{std::abs(twice_area(polygon)), 0};
-  glm::dvec3 here = face_->at(polygon[0]);
+  glm::dvec3 here = figure_->at(polygon[0]);
   for (std::size_t i = 0; i < polygon.size(); ++i) {
-    const glm::dvec3 next = face_->at(polygon[i + 1 < polygon.size() ? i + 1 : 0]);
+    const glm::dvec3 next = figure_->at(polygon[i + 1 < polygon.size() ? i + 1 : 0]);
     const glm::dvec3 across = glm::cross(here, next);
     const double sine = glm::length(across);
-    if (sine > 0) result.irradiance += std::atan2(sine, glm::dot(here, next)) / sine * glm::dot(face_->normal(), across);
+    if (sine > 0) result.irradiance += std::atan2(sine, glm::dot(here, next)) / sine * glm::dot(figure_->normal(), across);
     here = next;
   }
   result.irradiance = std::abs(result.irradiance);
@@ -185,7 +151,7 @@ void LightPieces::add_measures(std::span<const glm::dvec2> polygon, Measures& su
   Measure core = all;
   const double radius = round_figure.least_radius;
   const auto is_inside = [&](const glm::dvec2& place) { return glm::dot(place, place) <= radius * radius; };
-  if (face_->is_disc() && !std::ranges::all_of(polygon, is_inside)) {
+  if (figure_->is_disc() && !std::ranges::all_of(polygon, is_inside)) {
     std::vector<glm::dvec2> kept(polygon.begin(), polygon.end());
     for (int k = 0; k < round_corners && !kept.empty(); ++k) {
       const glm::dvec2 across = round_figure.around[k] * radius;  // unit, toward the middle of a side
@@ -203,7 +169,7 @@ LightShares LightPieces::shares() const {
   Measures seen, all;
   if (!is_gone()) add_measures(whole_, all);
   for (const Piece& piece : pieces_) add_measures(corners(piece), seen);
-  // Of the rim it is not known which part belongs to the light: the bounds take what makes the share least and most.
+  // Which part of the rim belongs to the light is undecided: the bounds take what makes the share least and most.
   const auto share = [&](double Measure::*what) {
     const double lit = seen.core.*what, lit_rim = seen.rim.*what;
     const double dark = std::max(all.core.*what - lit, 0.0), dark_rim = std::max(all.rim.*what - lit_rim, 0.0);

@@ -39,8 +39,9 @@ class PixelPaths {
         albedo_(surfaces.scene.meshes[gbuffer.mesh[pixel]].albedo) {}
 
   void trace() {
-    ask_first(surfaces_.casters, gbuffer_, pixel_, light_, options_,
-              [&](const LightFigure& face, const Squares& squares, const FaceHits& hits) { add_direct(face, squares, hits); });
+    ask_first(
+        surfaces_.casters, gbuffer_, pixel_, light_, options_,
+        [&](const LightFigure& figure, const Squares& squares, const FaceHits& hits) { add_direct(figure, squares, hits); });
     if (options_.bounces == 0 || albedo_ == glm::dvec3(0)) return;
     const Scramble ways(path_seed(options_, pixel_, true));
     for (int round = 0; 16 * round < options_.samples; ++round)
@@ -68,13 +69,13 @@ class PixelPaths {
   /// Paths of a replica: it has every eighth.
   int paths_of(int replica) const { return (options_.samples - replica + ray_replicas - 1) / ray_replicas; }
 
-  void add_direct(const LightFigure& face, const Squares& squares, const FaceHits& hits) {
+  void add_direct(const LightFigure& figure, const Squares& squares, const FaceHits& hits) {
     ray_count_ += static_cast<std::size_t>(std::popcount(hits.asked));
-    const glm::dvec2 size = face.box().high - face.box().low;
+    const glm::dvec2 size = figure.box().high - figure.box().low;
     for (std::uint32_t left = hits.asked; left; left &= left - 1) {
       const int k = std::countr_zero(left);
-      const glm::dvec2 at = face.box().low + glm::dvec2(squares.x[k], squares.y[k]) * size;
-      const double irradiance = face.weight(face.at(at)) * size.x * size.y;
+      const glm::dvec2 place = figure.box().at({squares.x[k], squares.y[k]});
+      const double irradiance = figure.weight(figure.at(place)) * size.x * size.y;
       irradiance_ += irradiance;
       if (hits.blocked >> k & 1)
         blocked_irradiance_ += irradiance;
@@ -104,7 +105,7 @@ class PixelPaths {
     }
   }
 
-  /// To the first surface that way, turned to where the ray came from; answers whether there is one.
+  /// To the first surface that way, turned to where the ray came from; whether there is one.
   bool go_on(Place& place, const glm::dvec3& way) {
     ++ray_count_;
     const glm::dvec3 origin = glm::dvec3(place.point) + ray_offset(place.point) * place.normal;
@@ -138,15 +139,14 @@ class PixelPaths {
       const int k = std::countr_zero(left);
       const Place& place = places[k];
       const double x = random_.uniform(0, 1), y = random_.uniform(0, 1);
-      const LightFigure face(light_, place.point, place.normal);
-      if (!face.is_seen()) continue;
-      const glm::dvec2 size = face.box().high - face.box().low, at = face.box().low + glm::dvec2(x, y) * size;
-      if (!face.holds(at)) continue;
-      const glm::dvec3 to = face.at(at);
-      irradiance[k] = face.weight(to) * size.x * size.y;
+      const LightFigure figure(light_, place.point, place.normal);
+      if (!figure.is_seen()) continue;
+      const glm::dvec2 size = figure.box().high - figure.box().low, at = figure.box().at({x, y});
+      if (!figure.holds(at)) continue;
+      const glm::dvec3 to = figure.at(at);
+      irradiance[k] = figure.weight(to) * size.x * size.y;
       const glm::vec3 lift = static_cast<float>(area_ray_offset(place.point)) * glm::vec3(place.normal);
-      const glm::vec3 origin = place.point + lift, direction = glm::vec3(to) - lift;
-      set_ray(packet, k, origin, direction, 1);
+      set_ray(packet, k, place.point + lift, glm::vec3(to) - lift, 1);
       meshes[k] = place.mesh;
       triangles[k] = place.triangle;
       asked |= 1u << k;

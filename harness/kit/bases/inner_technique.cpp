@@ -47,9 +47,9 @@ std::vector<std::string_view> known_lights(const TechniqueEntry& entry) {
 }
 
 std::string has_no_hard_shadow(const TechniqueEntry& entry) {
-  const std::vector<std::string_view> known = known_lights(entry);
-  const auto knows = [&](std::string_view kind) { return std::ranges::find(known, kind) != known.end(); };
-  const bool is_soft_only = knows("rect") && !knows("point") && !knows("directional");
+  const std::vector<std::string_view> lights = known_lights(entry);
+  const auto has = [&](std::string_view kind) { return std::ranges::find(lights, kind) != lights.end(); };
+  const bool is_soft_only = has("rect") && !has("point") && !has("directional");
   return is_soft_only ? fmt::format("{} is for lights with area only", entry.id) : "";
 }
 

@@ -1,4 +1,3 @@
-#include <gnomon/error.h>
 #include <gnomon/kit/bases/light_objects.h>
 
 #include <algorithm>

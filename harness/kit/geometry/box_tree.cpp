@@ -17,11 +17,6 @@ double half_area(const Bounds& b) {
   return size.x * size.y + size.y * size.z + size.z * size.x;
 }
 
-void add(Bounds& bounds, const Bounds& other) {
-  bounds.min = glm::min(bounds.min, other.min);
-  bounds.max = glm::max(bounds.max, other.max);
-}
-
 /// Twice the center; in double, since the sum of two floats may overflow.
 glm::dvec3 twice_center(const Bounds& b) { return glm::dvec3(b.min) + glm::dvec3(b.max); }
 
@@ -36,7 +31,7 @@ struct BoxTree::Builder {
   void build(std::uint32_t first, std::uint32_t last) {
     const std::size_t index = tree.nodes_.size();
     Bounds bounds;
-    for (std::uint32_t i = first; i < last; ++i) add(bounds, items[tree.order_[i]]);
+    for (std::uint32_t i = first; i < last; ++i) bounds.add(items[tree.order_[i]]);
     Node node{{{bounds.min.x, bounds.min.y, bounds.min.z}, {bounds.max.x, bounds.max.y, bounds.max.z}}, 0, first, 0};
     if (last - first <= leaf_size) node.count = last - first;
     tree.nodes_.push_back(node);
@@ -68,7 +63,7 @@ struct BoxTree::Builder {
       std::array<std::uint32_t, bin_count> count{};
       for (std::uint32_t i = first; i < last; ++i) {
         const int bin = bin_of(tree.order_[i], axis);
-        add(bounds[bin], items[tree.order_[i]]);
+        bounds[bin].add(items[tree.order_[i]]);
         ++count[bin];
       }
       // Cost of the bins from `bin` on, for every bin; then sweep from the other side.
@@ -76,14 +71,14 @@ struct BoxTree::Builder {
       Bounds sum;
       std::uint32_t total = 0;
       for (int bin = bin_count - 1; bin > 0; --bin) {
-        add(sum, bounds[bin]);
+        sum.add(bounds[bin]);
         total += count[bin];
         above[bin] = half_area(sum) * total;
       }
       sum = {};
       total = 0;
       for (int bin = 1; bin < bin_count; ++bin) {
-        add(sum, bounds[bin - 1]);
+        sum.add(bounds[bin - 1]);
         total += count[bin - 1];
         if (total == 0 || total == last - first) continue;
         if (const double cost = half_area(sum) * total + above[bin]; cost < best_cost) {

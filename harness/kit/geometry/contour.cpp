@@ -1,7 +1,6 @@
 #include <gnomon/kit/geometry/contour.h>
 
 #include <algorithm>
-#include <cmath>
 
 namespace gnomon {
 
@@ -22,13 +21,7 @@ TangencyCircle tangency_circle(const Sphere& sphere, const glm::dvec4& light) {
 }
 
 ConeOutline::ConeOutline(const Cone& cone, const glm::dvec4& light)
-    : base(cone.base),
-      axis(glm::normalize(glm::dvec3(cone.axis))),
-      height(cone.height),
-      radius(cone.radius),
-      frame(axis),
-      side(0),
-      half(0) {
+    : base(cone.base), axis(glm::normalize(glm::dvec3(cone.axis))), height(cone.height), radius(cone.radius), frame(axis) {
   const glm::dvec3 to = glm::dvec3(light) - light.w * base;
   const double along = glm::dot(to, axis), x = glm::dot(to, frame.u), y = glm::dot(to, frame.v);
   const double reach = height * std::hypot(x, y), limit = radius * (light.w * height - along);

@@ -3,7 +3,6 @@
 #include <gnomon/kit/parallel.h>
 
 #include <algorithm>
-#include <cmath>
 #include <numeric>
 
 namespace gnomon {

@@ -3,15 +3,18 @@
 #include <gnomon/kit/geometry/planar_shadow.h>
 
 #include <algorithm>
-#include <optional>
 
 namespace gnomon {
 
 namespace {
 
-using Parts = std::array<FlatPart, 3>;
+/// Flat parts of a shape, or of its image.
+struct Parts {
+  std::size_t count = 0;
+  std::array<FlatPart, 3> all;
+};
 
-/// Angles and lengths that differ from what a form wants by less than this share do so by rounding of float32 coordinates.
+/// Angles and lengths that differ from what a form requires by less than this share do so by rounding of float32 coordinates.
 constexpr double alike = 1e-5;
 
 double height_of(const glm::dvec4& plane, const glm::dvec3& point) { return glm::dot(plane, glm::dvec4(point, 1)); }
@@ -43,32 +46,30 @@ struct PaperFrame {
   glm::dvec3 x_s3(double h_p) const { return x_i * (h_p + d) / (w * (d + h_p) - y_i); }  // (9)
 };
 
-std::size_t image_of_circle(const glm::dvec3& center, double r, const glm::dvec4& light, const glm::dvec4& plane,
-                            Parts& parts) {
-  const PaperFrame frame(center, light, plane);
-  parts[0] = disc_part(frame.foot + frame.x_s(), frame.up, frame.grown(r));
-  return 1;
+FlatPart image_of_circle(const PaperFrame& frame, double r) {
+  return disc_part(frame.foot + frame.x_s(), frame.up, frame.grown(r));
 }
 
-std::size_t paper_parts(const Disc& disc, const glm::dvec4& light, const glm::dvec4& plane, ShadowForm, Parts& parts) {
-  return image_of_circle(disc.center, disc.radius, light, plane, parts);
+/// The paper's formulas of a form other than exact. There must be no objection.
+Parts paper_parts(const Disc& disc, const glm::dvec4& light, const glm::dvec4& plane, ShadowForm) {
+  return {1, {image_of_circle({disc.center, light, plane}, disc.radius)}};
 }
 
 /// "The equations for the shadow of the sphere are given before in circle part."
-std::size_t paper_parts(const Sphere& sphere, const glm::dvec4& light, const glm::dvec4& plane, ShadowForm, Parts& parts) {
-  return image_of_circle(sphere.center, sphere.radius, light, plane, parts);
+Parts paper_parts(const Sphere& sphere, const glm::dvec4& light, const glm::dvec4& plane, ShadowForm) {
+  return {1, {image_of_circle({sphere.center, light, plane}, sphere.radius)}};
 }
 
 /// Circle and triangle, whose base is the diameter across the light's way. As printed the triangle's base stays at x = 0.
-std::size_t paper_parts(const Cone& cone, const glm::dvec4& light, const glm::dvec4& plane, ShadowForm form, Parts& parts) {
-  image_of_circle(cone.base, cone.radius, light, plane, parts);
+Parts paper_parts(const Cone& cone, const glm::dvec4& light, const glm::dvec4& plane, ShadowForm form) {
   const PaperFrame frame(cone.base, light, plane);
+  const FlatPart circle = image_of_circle(frame, cone.radius);
   const double r_1 = frame.grown(cone.radius);
-  if (glm::length(frame.x_i) == 0) return 1;  // "if the light source is just above the cone, shadow consists just of circle"
+  if (glm::length(frame.x_i) == 0)
+    return {1, {circle}};  // "if the light source is just above the cone, shadow consists just of circle"
   const glm::dvec3 z = r_1 * glm::normalize(glm::cross(frame.up, frame.x_i));
   const glm::dvec3 base = frame.foot + (form == ShadowForm::paper ? frame.x_s() : glm::dvec3(0));
-  parts[1] = triangle_part(base + z, base - z, frame.foot + frame.x_s3(cone.height));
-  return 2;
+  return {2, {circle, triangle_part(base + z, base - z, frame.foot + frame.x_s3(cone.height))}};
 }
 
 /// An upright isosceles triangle: its base is parallel to the plane, the peak over the base's middle.
@@ -88,16 +89,13 @@ std::optional<Upright> upright(const Triangle& triangle, const glm::dvec4& plane
   return std::nullopt;
 }
 
-std::size_t paper_parts(const Triangle& triangle, const glm::dvec4& light, const glm::dvec4& plane, ShadowForm form,
-                        Parts& parts) {
+Parts paper_parts(const Triangle& triangle, const glm::dvec4& light, const glm::dvec4& plane, ShadowForm form) {
   if (form == ShadowForm::paper) {
-    std::array<glm::dvec3, 3> images;
-    for (int k = 0; k < 3; ++k) {
-      const glm::dvec4 image = image_on_plane(triangle.points[k], light, plane);
-      images[k] = glm::dvec3(image) / image.w;
-    }
-    parts[0] = triangle_part(images[0], images[1], images[2]);
-    return 1;
+    const auto image = [&](int k) {
+      const glm::dvec4 at = image_on_plane(triangle.points[k], light, plane);
+      return glm::dvec3(at) / at.w;
+    };
+    return {1, {triangle_part(image(0), image(1), image(2))}};
   }
   // With the base along X the ends are x_s -+ a_1 / 2; with it along Z they are printed at x = 0. So what x_s has along the
   // base stays, and what it has across is lost.
@@ -105,18 +103,12 @@ std::size_t paper_parts(const Triangle& triangle, const glm::dvec4& light, const
   const PaperFrame frame(it.middle, light, plane);
   const glm::dvec3 along = glm::normalize(it.half_base), half = frame.grown(glm::length(it.half_base)) * along;
   const glm::dvec3 base = frame.foot + glm::dot(frame.x_s(), along) * along;
-  parts[0] = triangle_part(base - half, base + half, frame.foot + frame.x_s3(it.height));
-  return 1;
+  return {1, {triangle_part(base - half, base + half, frame.foot + frame.x_s3(it.height))}};
 }
 
-std::size_t paper_parts(const auto&, const glm::dvec4&, const glm::dvec4&, ShadowForm, Parts&) { return 0; }
+Parts paper_parts(const auto&, const glm::dvec4&, const glm::dvec4&, ShadowForm) { return {}; }
 
-/// The paper's formulas of a form other than exact, in `parts`; says how many. There must be no objection.
-std::size_t image_parts(const Shape& shape, const glm::dvec4& light, const glm::dvec4& plane, ShadowForm form, Parts& parts) {
-  return std::visit([&](const auto& s) { return paper_parts(s, light, plane, form, parts); }, shape);
-}
-
-/// What the paper asks of the shape and its place; it knows four shapes.
+/// What of the paper's requirements the shape or its place breaks. The paper has formulas for four shapes.
 std::string paper_objection(const Shape& shape, const glm::dvec4& plane, ShadowForm form) {
   const auto leans = [&](const glm::vec3& axis) {
     return glm::length(glm::cross(glm::normalize(glm::dvec3(axis)), glm::dvec3(plane))) > alike;
@@ -135,49 +127,45 @@ std::string paper_objection(const Shape& shape, const glm::dvec4& plane, ShadowF
 
 /// The disc that the circle of tangents bounds: a point behind it in the cone of tangents, and not in the ball, is behind the
 /// ball.
-std::size_t exact_parts(const Sphere& sphere, const glm::dvec4& light, Parts& parts) {
+Parts exact_parts(const Sphere& sphere, const glm::dvec4& light) {
   const TangencyCircle circle = tangency_circle(sphere, light);
-  parts[0] = disc_part(circle.center, circle.axis, circle.radius);
-  return 1;
+  return {1, {disc_part(circle.center, circle.axis, circle.radius)}};
 }
 
-std::size_t exact_parts(const Disc& disc, const glm::dvec4&, Parts& parts) {
-  parts[0] = disc_part(disc.center, glm::normalize(glm::dvec3(disc.normal)), disc.radius);
-  return 1;
+Parts exact_parts(const Disc& disc, const glm::dvec4&) {
+  return {1, {disc_part(disc.center, glm::normalize(glm::dvec3(disc.normal)), disc.radius)}};
 }
 
 /// The base, and the triangle of the peak and the two points of the base's rim where tangents from its image touch: together
 /// the hull of base and peak.
-std::size_t exact_parts(const Cone& cone, const glm::dvec4& light, Parts& parts) {
+Parts exact_parts(const Cone& cone, const glm::dvec4& light) {
   const ConeOutline outline(cone, light);
-  parts[0] = disc_part(outline.base, outline.axis, outline.radius);
-  if (outline.is_circle) return 1;
-  parts[1] = triangle_part(outline.peak(), outline.rim(outline.side - outline.half), outline.rim(outline.side + outline.half));
-  return 2;
+  const FlatPart base = disc_part(outline.base, outline.axis, outline.radius);
+  if (outline.is_circle) return {1, {base}};
+  const glm::dvec3 from = outline.rim(outline.side - outline.half), to = outline.rim(outline.side + outline.half);
+  return {2, {base, triangle_part(outline.peak(), from, to)}};
 }
 
-std::size_t exact_parts(const Triangle& triangle, const glm::dvec4&, Parts& parts) {
-  parts[0] = triangle_part(triangle.points[0], triangle.points[1], triangle.points[2]);
-  return 1;
+Parts exact_parts(const Triangle& triangle, const glm::dvec4&) {
+  return {1, {triangle_part(triangle.points[0], triangle.points[1], triangle.points[2])}};
 }
 
-std::size_t exact_parts(const Plane& plane, const glm::dvec4&, Parts& parts) {
+Parts exact_parts(const Plane& plane, const glm::dvec4&) {
   const glm::dvec3 c(plane.center), u(plane.half_u), v(plane.half_v);
   // The corners as the tessellation rounds them: flat shapes are their triangles.
   const auto corner = [](const glm::dvec3& p) { return glm::dvec3(glm::vec3(p)); };
-  parts[0] = {.corner_count = 4, .points = {corner(c - u - v), corner(c + u - v), corner(c + u + v), corner(c - u + v)}};
-  return 1;
+  return {1, {FlatPart{4, {corner(c - u - v), corner(c + u - v), corner(c + u + v), corner(c - u + v)}}}};
 }
 
 /// The sides that face the light.
-std::size_t exact_parts(const Box& box, const glm::dvec4& light, Parts& parts) {
+Parts exact_parts(const Box& box, const glm::dvec4& light) {
   const glm::dvec3 low = box.min, high = box.max, l(light);
-  std::size_t count = 0;
+  Parts parts;
   for (int k = 0; k < 3; ++k) {
     const bool is_above = l[k] > light.w * high[k];
     if (!is_above && !(l[k] < light.w * low[k])) continue;
     const int i = (k + 1) % 3, j = (k + 2) % 3;
-    FlatPart& part = parts[count++];
+    FlatPart& part = parts.all[parts.count++];
     part.corner_count = 4;
     for (int corner = 0; corner < 4; ++corner) {
       part.points[corner][k] = (is_above ? high : low)[k];
@@ -185,7 +173,7 @@ std::size_t exact_parts(const Box& box, const glm::dvec4& light, Parts& parts) {
       part.points[corner][j] = (corner >= 2 ? high : low)[j];
     }
   }
-  return count;
+  return parts;
 }
 
 // --- Objections ------------------------------------------------------------------------------------------------------------
@@ -218,12 +206,8 @@ bool touches(const Shape& shape, const glm::dvec3& light) {
   if (const auto* box = std::get_if<Box>(&shape))
     return glm::all(glm::greaterThanEqual(light, glm::dvec3(box->min) - slack)) &&
            glm::all(glm::lessThanEqual(light, glm::dvec3(box->max) + slack));
-  std::array<FlatPart, 3> parts;
-  if (const auto* plane = std::get_if<Plane>(&shape))
-    exact_parts(*plane, {}, parts);
-  else
-    exact_parts(std::get<Triangle>(shape), {}, parts);
-  const FlatPart& part = parts[0];
+  const auto* plane = std::get_if<Plane>(&shape);
+  const FlatPart part = (plane ? exact_parts(*plane, {}) : exact_parts(std::get<Triangle>(shape), {})).all[0];
   const glm::dvec3 normal = glm::normalize(glm::cross(part.points[1] - part.points[0], part.points[2] - part.points[0]));
   if (std::abs(glm::dot(normal, light - part.points[0])) > slack) return false;
   for (int k = 0; k < part.corner_count; ++k) {
@@ -246,7 +230,7 @@ double top_of(const FlatPart& part, const glm::dvec4& plane) {
 /// Largest coordinate of the part, and the plane's distance from the origin: the scale of float32 rounding.
 double scale_of(const FlatPart& part, const glm::dvec4& plane) {
   double scale = std::abs(plane.w);
-  for (const glm::dvec3& p : part.points) scale = std::max({scale, std::abs(p.x), std::abs(p.y), std::abs(p.z)});
+  for (const glm::dvec3& p : part.points) scale = std::max(scale, extent(p));
   return scale;
 }
 
@@ -277,10 +261,9 @@ PlanarShadow::PlanarShadow(const Shape& shape, const glm::dvec4& light, const gl
     : light_(light), plane_(plane), form_(form) {
   const bool is_image = form != ShadowForm::exact;
   if (is_image && heights_over(shape, plane).second <= alike * size_of(shape)) return;
-  Parts parts;
-  const std::size_t count = is_image ? image_parts(shape, light, plane, form, parts)
-                                     : std::visit([&](const auto& s) { return exact_parts(s, light, parts); }, shape);
-  for (std::size_t i = 0; i < count; ++i) add(parts[i], is_image);
+  const auto parts_of = [&](const auto& s) { return is_image ? paper_parts(s, light, plane, form) : exact_parts(s, light); };
+  const Parts parts = std::visit(parts_of, shape);
+  for (std::size_t i = 0; i < parts.count; ++i) add(parts.all[i], is_image);
 }
 
 /// Through the light at l (homogeneous, l_w) the point x sees the disc's plane at the share h / (h - l_w n.x), h = n.l, of the

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <optional>
 #include <unordered_map>
 
 namespace gnomon {
@@ -13,7 +12,7 @@ namespace {
 /// Of a point over a plane, meters.
 double height(const glm::dvec4& plane, const glm::dvec3& p) { return glm::dot(glm::dvec3(plane), p) + plane.w; }
 
-/// What is known of planes, by cells of the space of planes: three coordinates of the unit normal, and the offset from the
+/// Data by cells of the space of planes: three coordinates of the unit normal, and the offset from the
 /// middle of the receivers in their radius. Faces of one plane lie in neighboring cells. A face is entered with both of its
 /// orientations.
 template <class Content>
@@ -141,9 +140,9 @@ class PlaneFinder {
   /// planes and begin none.
   bool is_sliver(const ReceiverFace& face) const { return 2 * rounding_ / face.altitude > cell_width / 2; }
 
-  /// Drops the faces that no plane of the least area can hold, puts the largest first, and the rest into cells. They are told
-  /// by cells sixteen times as wide: a smooth mesh has few of them, and most cannot hold such a plane together with their
-  /// neighbors. Only what lies in or beside those that can is worth a closer look.
+  /// Drops the faces that no plane of the least area can hold, puts the largest first, and the rest into cells. Cells
+  /// sixteen times as wide decide: a smooth mesh has few of them, and most cannot hold such a plane together with their
+  /// neighbors. Only faces in or beside those that can are looked at more closely.
   void sort_faces() {
     const glm::dvec3 low = bounds_.min, high = bounds_.max, middle = (low + high) / 2.0;
     const double radius = glm::distance(low, high) / 2;

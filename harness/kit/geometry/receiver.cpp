@@ -5,10 +5,7 @@
 namespace gnomon {
 
 bool Receiver::is_coplanar(const Scene& scene, const glm::vec3* corners) const {
-  if (!has_triangle()) return false;
-  const Mesh& own = scene.meshes[mesh];
-  const glm::uvec3& t = own.triangles[triangle];
-  return coplanar({{own.positions[t.x], own.positions[t.y], own.positions[t.z]}}, corners);
+  return has_triangle() && coplanar(scene.meshes[mesh].corners(triangle), corners);
 }
 
 TriangleNumbers::TriangleNumbers(const Scene& scene) {

@@ -4,9 +4,6 @@
 
 #include <algorithm>
 #include <cassert>
-#include <cmath>
-#include <numbers>
-#include <utility>
 
 namespace gnomon {
 

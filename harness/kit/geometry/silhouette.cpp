@@ -15,7 +15,8 @@ constexpr std::size_t silhouette_block = std::size_t{1} << 15;
 
 // The error of a plane's value at a homogeneous point of floats, with e = 2^-24 and S the sum of the normal's components times
 // the largest coordinate of the point plus w times that of the scene: rounding the normal and the offset to float32 costs 2 e S
-// (find_planes sees to it that what came before costs nothing beside that), the products and sums in float32 4 e S.
+// (find_planes leaves out the planes whose error before that is not small beside it); the products and sums in float32 cost
+// 4 e S.
 constexpr float plane_error = 0x1p-21f;
 
 /// Infinite where products of so small numbers have fewer digits.

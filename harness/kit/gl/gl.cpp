@@ -1,10 +1,5 @@
-#include <gnomon/error.h>
 #include <gnomon/kit/geometry/camera.h>
 #include <gnomon/kit/gl/gl.h>
-
-#include <algorithm>
-#include <cmath>
-#include <glm/gtc/type_ptr.hpp>
 
 namespace gnomon {
 
@@ -107,13 +102,12 @@ Program::Program(std::string_view title, std::initializer_list<std::pair<GLenum,
   glLinkProgram(name());
   GLint ok = 0;
   glGetProgramiv(name(), GL_LINK_STATUS, &ok);
-  if (ok) {
-    list_uniforms();
-    return;
+  if (!ok) {
+    std::string sources;
+    for (const auto& [stage, source] : shaders) sources += fmt::format("\n{}:\n{}", stage_name(stage), numbered(source));
+    throw Error("program {} does not link:\n{}{}", title, log_of(glGetProgramiv, glGetProgramInfoLog, name()), sources);
   }
-  std::string sources;
-  for (const auto& [stage, source] : shaders) sources += fmt::format("\n{}:\n{}", stage_name(stage), numbered(source));
-  throw Error("program {} does not link:\n{}{}", title, log_of(glGetProgramiv, glGetProgramInfoLog, name()), sources);
+  list_uniforms();
 }
 
 void Program::list_uniforms() {
@@ -155,24 +149,18 @@ GLint Program::location(std::string_view uniform) const {
 
 void Program::set(const char* uniform, int v) const { glProgramUniform1i(name(), location(uniform), v); }
 void Program::set(const char* uniform, float v) const { glProgramUniform1f(name(), location(uniform), v); }
-void Program::set(const char* uniform, const glm::vec2& v) const {
-  glProgramUniform2fv(name(), location(uniform), 1, glm::value_ptr(v));
-}
-void Program::set(const char* uniform, const glm::vec3& v) const {
-  glProgramUniform3fv(name(), location(uniform), 1, glm::value_ptr(v));
-}
-void Program::set(const char* uniform, const glm::vec4& v) const {
-  glProgramUniform4fv(name(), location(uniform), 1, glm::value_ptr(v));
-}
+void Program::set(const char* uniform, const glm::vec2& v) const { glProgramUniform2fv(name(), location(uniform), 1, &v.x); }
+void Program::set(const char* uniform, const glm::vec3& v) const { glProgramUniform3fv(name(), location(uniform), 1, &v.x); }
+void Program::set(const char* uniform, const glm::vec4& v) const { glProgramUniform4fv(name(), location(uniform), 1, &v.x); }
 void Program::set(const char* uniform, const glm::mat3& v) const {
-  glProgramUniformMatrix3fv(name(), location(uniform), 1, GL_FALSE, glm::value_ptr(v));
+  glProgramUniformMatrix3fv(name(), location(uniform), 1, GL_FALSE, &v[0].x);
 }
 void Program::set(const char* uniform, const glm::mat4& v) const {
-  glProgramUniformMatrix4fv(name(), location(uniform), 1, GL_FALSE, glm::value_ptr(v));
+  glProgramUniformMatrix4fv(name(), location(uniform), 1, GL_FALSE, &v[0].x);
 }
 
 void Program::set(const char* uniform, std::span<const glm::vec4> values) const {
-  glProgramUniform4fv(name(), location(uniform), static_cast<GLsizei>(values.size()), glm::value_ptr(values[0]));
+  glProgramUniform4fv(name(), location(uniform), static_cast<GLsizei>(values.size()), &values[0].x);
 }
 
 glm::dmat4 clip_from_world(const View& view, int width, int height, double near_plane) {

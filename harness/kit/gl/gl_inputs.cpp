@@ -1,8 +1,6 @@
-#include <gnomon/error.h>
 #include <gnomon/kit/gl/gl_pass.h>
 #include <gnomon/kit/unset_vector.h>
 
-#include <algorithm>
 #include <bit>
 #include <chrono>
 #include <cmath>
@@ -55,7 +53,7 @@ struct SceneSlot {
 };
 
 /// A weak pointer keeps the control block of the G-buffer's storage, so that no later G-buffer can be taken for this one, and
-/// none of its memory. G-buffers on borrowed arrays (null storage) are told apart by address and size only.
+/// none of its memory. G-buffers on borrowed arrays (null storage) differ by address and size only.
 struct GBufferSlot {
   std::weak_ptr<const void> storage;
   const float* data = nullptr;

@@ -1,12 +1,9 @@
 #include <epoxy/gl.h>
-#include <gnomon/error.h>
 #include <gnomon/kit/gl/gl_limits.h>
 
 #include <algorithm>
 #include <charconv>
 #include <cstdlib>
-#include <optional>
-#include <string>
 
 namespace gnomon {
 
@@ -63,8 +60,7 @@ void pretend(GlLimits& limits, std::string_view words) {
   while (!words.empty()) {
     const std::string_view word = words.substr(0, words.find(','));
     words.remove_prefix(std::min(word.size() + 1, words.size()));
-    const std::string_view name = word.substr(0, word.find('='));
-    const std::string_view text = word.substr(std::min(name.size() + 1, word.size()));
+    const std::string_view name = word.substr(0, word.find('=')), text = word.substr(std::min(name.size() + 1, word.size()));
     const auto limit = std::ranges::find(limit_list, name, &GlLimit::name);
     if (limit == std::end(limit_list)) {
       std::string names;

@@ -1,4 +1,3 @@
-#include <gnomon/error.h>
 #include <gnomon/kit/gl/gl_pass.h>
 
 #include <cmath>
@@ -81,12 +80,20 @@ void draw_receivers(const GBufferTextures& gbuffer) {
   glDisable(GL_SCISSOR_TEST);
 }
 
+void draw_mask(const Program& program, const Framebuffer& framebuffer, unsigned texture, const GBufferTextures& gbuffer) {
+  bind_gbuffer(gbuffer);
+  begin_mask(framebuffer, texture, gbuffer);
+  glUseProgram(program.name());
+  draw_receivers(gbuffer);
+  glNamedFramebufferTexture(framebuffer.name(), GL_COLOR_ATTACHMENT0, 0, 0);
+}
+
 void bind_gbuffer(const GBufferTextures& textures) {
   const GLuint names[] = {textures.position.name(), textures.normal.name(), textures.ids.name()};
   glBindTextures(0, 3, names);
 }
 
-// At the center of a texel the nearest one is that very texel; llvmpipe samples at least as fast as it fetches, and knows the
+// At the center of a texel the nearest one is that very texel; llvmpipe samples at least as fast as it fetches, and reads the
 // size of a texture sooner than the value of a uniform.
 const std::string_view gbuffer_snippet = R"(
 layout(binding = 0) uniform sampler2D gbuffer_position;

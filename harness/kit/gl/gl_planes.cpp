@@ -2,8 +2,6 @@
 #include <gnomon/kit/geometry/plane_projection.h>
 #include <gnomon/kit/gl/gl_planes.h>
 
-#include <algorithm>
-
 namespace gnomon {
 
 const std::string projection_vertex = std::string(position_snippet) + R"(
@@ -34,8 +32,7 @@ void PlaneLookup::build(const Scene& scene, double min_share) {
     const Mesh& mesh = scene.meshes[m];
     const std::span planes = std::span(planes_.plane_of).subspan(planes_.first_triangle[m], mesh.triangles.size());
     for (std::size_t t = 0; t < planes.size(); ++t)
-      if (planes[t] != no_plane)
-        for (const glm::vec3& corner : mesh.corners(t).points) bounds_[planes[t]].add(corner);
+      if (planes[t] != no_plane) bounds_[planes[t]].add(mesh.corners(t).points);
     const bool is_flat = std::ranges::all_of(planes, [&](std::uint32_t p) { return p == planes[0]; });
     is_off_.push_back(mesh.has_curved_shape() && !is_flat);
     if (is_off_[m]) std::fill_n(of_shapes.begin() + planes_.first_triangle[m], mesh.triangles.size(), no_plane);
@@ -59,9 +56,7 @@ void PlaneLookup::bind(Truth truth) const {
 
 GlLimits PlaneLookup::needs(const Scene& scene) {
   const std::size_t most = std::max(scene.triangle_count(), scene.meshes.size());
-  return {.fragment_storage_blocks = 2,
-          .storage_bindings = 2,
-          .storage_block_bytes = static_cast<std::int64_t>(most * sizeof(std::uint32_t))};
+  return {.fragment_storage_blocks = 2, .storage_bindings = 2, .storage_block_bytes = static_cast<std::int64_t>(4 * most)};
 }
 
 std::size_t PlaneLookup::bytes() const {

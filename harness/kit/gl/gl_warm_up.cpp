@@ -1,8 +1,6 @@
 #include <gnomon/kit/geometry/shapes.h>
 #include <gnomon/kit/gl/gl.h>
 
-#include <vector>
-
 namespace gnomon {
 
 namespace {
@@ -42,7 +40,7 @@ struct TinyScene {
 }  // namespace
 
 void warm_up(Technique& technique) {
-  static const TinyScene tiny;  // outlives the technique, as the contract asks
+  static const TinyScene tiny;  // outlives the technique, as the contract requires
   technique.build(tiny.scene);
   VisibilityMask mask(tiny.gbuffer.width, tiny.gbuffer.height);
   for (const Light& light : tiny.scene.lights) {

@@ -1,7 +1,5 @@
-#include <gnomon/error.h>
 #include <gnomon/kit/gl/image_passes.h>
 
-#include <algorithm>
 #include <bit>
 #include <cassert>
 #include <cmath>
@@ -36,11 +34,6 @@ const FormatFacts& facts_of(GLenum format) {
 }
 
 int channel_count(GLenum format) { return facts_of(format).channels; }
-
-bool is_in_32_bits(GLenum format) {
-  const FormatFacts& facts = facts_of(format);
-  return facts.is_whole || std::string_view(facts.name).ends_with("32f");
-}
 
 /// Throws Error where a pass that takes means is to take whole numbers.
 void require_floats(const ImageKind& kind) {
@@ -129,7 +122,7 @@ void main() {
 }
 )";
 
-/// For texels that stand for other than two by two, from the one at first_x, first_y on.
+/// For texels that are the mean of other than two by two, from the one at first_x, first_y on.
 constexpr std::string_view edge_source = R"(
 uniform int first_x, first_y;
 void main() {
@@ -206,10 +199,8 @@ void Blur::run_along(bool x, const Texture& from, const Texture& to) const {
   const auto strips = [&](int count) { return (count + strip - 1) / strip; };
   glUseProgram((x ? rows_ : columns_).name());
   bind(from, 0, to, 0);
-  if (x)
-    glDispatchCompute(groups(strips(from.width)), from.height, layer_count(from));
-  else
-    glDispatchCompute(groups(from.width), strips(from.height), layer_count(from));
+  const int columns = x ? strips(from.width) : from.width, rows = x ? from.height : strips(from.height);
+  glDispatchCompute(groups(columns), rows, layer_count(from));
 }
 
 void Blur::run(const Texture& from, Texture& to) {
@@ -264,7 +255,8 @@ void MipChain::run(const Texture& texture) const {
 }
 
 void SummedAreaTable::setup(const ImageKind& kind) {
-  if (!is_in_32_bits(kind.format)) throw Error("image of format {:#x}: sums need 32 bits a channel", kind.format);
+  if (const FormatFacts& facts = facts_of(kind.format); !facts.is_whole && !std::string_view(facts.name).ends_with("32f"))
+    throw Error("image of format {:#x}: sums need 32 bits a channel", kind.format);
   kind_ = kind;
   rows_ = Program::compute("sums of rows", scan_source(kind, true));
   columns_ = Program::compute("sums of columns", scan_source(kind, false));

@@ -1,7 +1,5 @@
 #include "kit/gl/pixel_rectangles.h"
 
-#include <algorithm>
-
 namespace gnomon {
 
 namespace {

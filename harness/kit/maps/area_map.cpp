@@ -1,9 +1,7 @@
+#include <gnomon/kit/area/light_shape.h>
 #include <gnomon/kit/geometry/across.h>
 #include <gnomon/kit/maps/area_map.h>
 #include <gnomon/kit/maps/light_layers.h>
-#include <gnomon/kit/pictures/layers.h>
-
-#include <cmath>
 
 #include "kit/maps/area_map_shader.h"
 
@@ -19,17 +17,12 @@ struct Figure {
 };
 
 Figure figure_of(const Light& light) {
-  if (const auto* const rect = std::get_if<RectLight>(&light.kind)) {
-    const glm::dvec3 u = rect->half_u, v = rect->half_v;
-    return {u, v, glm::normalize(glm::cross(u, v)), 0, false, rect->emits == Emits::in_front};
-  }
-  if (const auto* const disc = std::get_if<DiscLight>(&light.kind)) {
-    const glm::dvec3 axis = glm::normalize(glm::dvec3(disc->normal));
-    const Across across(axis);
-    const double radius = disc->radius;
-    return {radius * across.u, radius * across.v, axis, 0, true, disc->emits == Emits::in_front};
-  }
-  return {.radius = std::get<SphereLight>(light.kind).radius};
+  const LightShape shape(light);
+  if (!shape.is_flat()) return {.radius = shape.radius};
+  const glm::dvec3 axis = shape.front();
+  if (shape.form == LightShape::Form::rectangle) return {shape.half_u, shape.half_v, axis, 0, false, shape.is_one_sided};
+  const Across across(axis);
+  return {shape.radius * across.u, shape.radius * across.v, axis, 0, true, shape.is_one_sided};
 }
 
 /// How far a light goes from its center.
@@ -95,7 +88,7 @@ void AreaMap::relight(const Light& light) {
 }
 
 void AreaMap::draw_images(LightCamera&& camera) {
-  forget();
+  if (made_->read_of == this) made_->read_of = nullptr;
   camera_ = std::move(camera);
   drawn_triangles_ = made_->depth_images.draw(camera_, depths_);
   const int side = (resolution + area_map_block - 1) / area_map_block;
@@ -125,7 +118,6 @@ void AreaMap::resolve(const GBuffer& gbuffer, VisibilityMask& mask) {
 }
 
 void AreaMap::look_up(const Program& program, unsigned target) const {
-  const GBufferTextures& textures = gbuffer_textures(*gbuffer_, *made_->scene);
   set_light_camera(program, center_, camera_,
                    [&](const LightImage& image) { return camera_.rounding / (image.near * image.far); });
   const Figure figure = figure_of(light_);
@@ -135,13 +127,9 @@ void AreaMap::look_up(const Program& program, unsigned target) const {
   program.set_if_used("area_look_up",
                       glm::vec4(depth_bias.value(), camera_.rounding, most_radius.value(), figure.is_one_sided));
   set_uniforms(program);
-  bind_gbuffer(textures);
   glBindTextureUnit(3, depths_.name());
   glBindTextureUnit(4, nearest_.name());
-  begin_mask(made_->framebuffer, target, textures);
-  glUseProgram(program.name());
-  draw_receivers(textures);
-  glNamedFramebufferTexture(made_->framebuffer.name(), GL_COLOR_ATTACHMENT0, 0, 0);
+  draw_mask(program, made_->framebuffer, target, gbuffer_textures(*gbuffer_, *made_->scene));
 }
 
 Counts AreaMap::counts() const {
@@ -150,13 +138,6 @@ Counts AreaMap::counts() const {
           {"faces", double(camera_.layer_count), ""},
           {"triangles", double(drawn_triangles_), ""},
           {"bytes", double(depths_.bytes + nearest_.bytes) + made_.own(double(made_->depth_images.bytes())), "byte"}};
-}
-
-void AreaMap::forget() const {
-  if (made_->read_of != this) return;
-  made_->read_of = nullptr;
-  made_->depths.clear();
-  made_->accounts.clear();
 }
 
 const std::vector<float>& AreaMap::depths() const {
@@ -182,11 +163,7 @@ const std::vector<glm::vec4>& AreaMap::accounts() const {
 }
 
 std::vector<float> AreaMap::answer() const {
-  VisibilityMask mask(gbuffer_->width, gbuffer_->height);
-  const StateGuard guard;
-  look_up(made_->resolve_programs[program_index()], mask.texture());
-  const std::span<const float> pixels = mask.read();
-  return {pixels.begin(), pixels.end()};
+  return read_mask(*gbuffer_, [&](unsigned target) { look_up(made_->resolve_programs[program_index()], target); });
 }
 
 AreaPoint AreaMap::point(std::size_t index) const {

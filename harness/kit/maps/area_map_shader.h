@@ -17,7 +17,7 @@ void main() {
 }
 )";
 
-/// Point and what may be asked of it; AreaPoint has the meaning of each quantity. FIGURE is 0 for a rectangle, 1 for a disc.
+/// A point and functions of it; AreaPoint has the meaning of each quantity. FIGURE is 0 for a rectangle, 1 for a disc.
 inline constexpr std::string_view area_map_snippet = R"(
 layout(binding = 4) uniform sampler2DArray light_blocks;
 uniform vec3 area_half_u, area_half_v;  // of a flat light

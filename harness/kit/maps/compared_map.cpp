@@ -5,83 +5,51 @@ namespace gnomon {
 
 namespace {
 
-/// With EXPLAIN it writes where it would look, in texels, and the layer of the image, instead of the visibility.
 constexpr std::string_view compare_body = R"(
-#ifdef EXPLAIN
-layout(location = 0) out vec4 looked_up;
-#else
 layout(location = 0) out float visibility;
-#endif
+void main() { visibility = compared(ask(position_here(), normal_here())); }
+)";
+
+/// Writes where that looks, in texels, and the layer of the image.
+constexpr std::string_view explain_body = R"(
+layout(location = 0) out vec4 looked_up;
 void main() {
   ComparedPoint point = ask(position_here(), normal_here());
-#ifdef EXPLAIN
   looked_up = vec4(point.position, light_facts.x, 0);
-#else
-  visibility = compared(point);
-#endif
 }
 )";
 
 }  // namespace
 
 ComparedMap::ComparedMap(const Defaults& defaults)
-    : resolution{this,           "resolution",
-                 1024,           {.unit = "texel", .min = 64, .max = 8192, .log = true},
-                 Stage::relight, "Side of a square depth image (of each cube face for point lights)."},
-      bias{this,
-           "bias",
-           defaults.bias,
-           {"constant", "slope", "normal_offset", "receiver_plane"},
-           Stage::setup,
-           "What is added to depth_bias: nothing, a slope-scaled bias, a normal offset, or the receiver's own plane."},
-      depth_bias{this,
-                 "depth_bias",
-                 defaults.depth_bias,
-                 {.unit = "texel", .min = 0, .max = 64},
-                 Stage::resolve,
-                 "Constant depth bias along the image's axis, in every mode, in world widths of a texel at the point."},
-      slope_bias{this,
-                 "slope_bias",
-                 defaults.slope_bias,
-                 {.unit = "half texel diagonal", .min = 0, .max = 16},
-                 Stage::resolve,
-                 "Slope-scaled bias, times the tangent of the angle between normal and light; for bias=slope."},
-      normal_offset{this,
-                    "normal_offset",
-                    1.5,
-                    {.unit = "texel", .min = 0, .max = 16},
-                    Stage::relight,
-                    "How far the look-up point is moved along the normal; for bias=normal_offset."},
-      filter{this,
-             "filter",
-             "nearest",
-             {"nearest", "pcf", "disc", "bilinear"},
-             Stage::setup,
+    : resolution(this, "resolution", 1024, {.unit = "texel", .min = 64, .max = 8192, .log = true}, Stage::relight,
+                 "Side of a square depth image (of each cube face for point lights)."),
+      bias(this, "bias", defaults.bias, {"constant", "slope", "normal_offset", "receiver_plane"}, Stage::setup,
+           "What is added to depth_bias: nothing, a slope-scaled bias, a normal offset, or the receiver's own plane."),
+      depth_bias(this, "depth_bias", defaults.depth_bias, {.unit = "texel", .min = 0, .max = 64}, Stage::resolve,
+                 "Constant depth bias along the image's axis, in every mode, in world widths of a texel at the point."),
+      slope_bias(this, "slope_bias", defaults.slope_bias, {.unit = "half texel diagonal", .min = 0, .max = 16}, Stage::resolve,
+                 "Slope-scaled bias, times the tangent of the angle between normal and light; for bias=slope."),
+      normal_offset(this, "normal_offset", 1.5, {.unit = "texel", .min = 0, .max = 16}, Stage::relight,
+                    "How far the look-up point is moved along the normal; for bias=normal_offset."),
+      filter(this, "filter", "nearest", {"nearest", "pcf", "disc", "bilinear"}, Stage::setup,
              "One comparison, or the mean of several (percentage-closer filtering): of (2 filter_radius + 1)^2 texels, of a "
-             "disc around the point, or of the four nearest with the weights of graphics cards."},
-      filter_radius{this,
-                    "filter_radius",
-                    1,
-                    {.unit = "texel", .min = 1, .max = 8},
-                    Stage::relight,
+             "disc around the point, or of the four nearest with the weights of graphics cards."),
+      filter_radius(this, "filter_radius", 1, {.unit = "texel", .min = 1, .max = 8}, Stage::relight,
                     "Half the side of the square beside its middle texel, less half a texel the disc's radius; for filter=pcf "
-                    "and disc."} {}
+                    "and disc.") {}
 
 MapComparison ComparedMap::comparison() const {
   const MapFilter used{MapFilter::Kind(filter.index()), filter_radius};
   const double reach = used.reach();
-  return {.bias = MapComparison::Bias(bias.index()),
-          .depth_bias = reach * depth_bias,
-          .slope_bias = reach * slope_bias,
-          .normal_offset = reach * normal_offset,
-          .filter = used};
+  return {MapComparison::Bias(bias.index()), reach * depth_bias, reach * slope_bias, reach * normal_offset, used};
 }
 
 Program ComparedMap::resolve_program(LightProjection projection, bool explains) const {
-  return pass_program(
-      fmt::format("{} {}", id(), explains ? "explain" : "resolve"), comparison_constants(projection, images()),
-      fmt::format("{}{}{}{}{}{}{}", explains ? "#define EXPLAIN\n" : "", light_map_head(projection, images()),
-                  comparison_head(comparison()), gbuffer_snippet, light_map_snippet, comparison_snippet, compare_body));
+  const std::string head = light_map_head(projection, images()) + comparison_head(comparison());
+  return pass_program(fmt::format("{} {}", id(), explains ? "explain" : "resolve"), comparison_constants(projection, images()),
+                      fmt::format("{}{}{}{}{}", head, gbuffer_snippet, light_map_snippet, comparison_snippet,
+                                  explains ? explain_body : compare_body));
 }
 
 void ComparedMap::setup() {
@@ -131,14 +99,10 @@ void ComparedMap::resolve(const GBuffer& gbuffer, VisibilityMask& mask) {
   glFinish();
 }
 
-void ComparedMap::look_up(const Program& p, unsigned target) const {
-  set_comparison(p, light_, camera_, comparison());
-  const GBufferTextures& textures = gbuffer_textures(*gbuffer_, *made_->scene);
-  bind_gbuffer(textures);
+void ComparedMap::look_up(const Program& program, unsigned target) const {
+  set_comparison(program, light_, camera_, comparison());
   glBindTextureUnit(3, map().name());
-  begin_mask(made_->framebuffer, target, textures);
-  glUseProgram(p.name());
-  draw_receivers(textures);
+  draw_mask(program, made_->framebuffer, target, gbuffer_textures(*gbuffer_, *made_->scene));
 }
 
 Counts ComparedMap::counts() const {
@@ -175,7 +139,6 @@ ComparedMap::Place ComparedMap::looked_up(std::size_t index) const {
     const Texture texels(GL_RGBA32F, gbuffer_->width, gbuffer_->height);
     look_up(*program, texels.name());
     made_->read_look_ups = read_texels<glm::vec3>(texels, GL_RGB);
-    glNamedFramebufferTexture(made_->framebuffer.name(), GL_COLOR_ATTACHMENT0, 0, 0);
   }
   const glm::dvec3 found = made_->read_look_ups[index];
   const auto image = std::ranges::find(camera_.images, static_cast<int>(found.z), &LightImage::layer);
@@ -185,12 +148,7 @@ ComparedMap::Place ComparedMap::looked_up(std::size_t index) const {
 
 /// The mask of the last resolve, once more.
 std::vector<float> ComparedMap::answer() const {
-  const StateGuard guard;
-  VisibilityMask mask(gbuffer_->width, gbuffer_->height);
-  look_up(made_->resolve_programs[int(projection())], mask.texture());
-  const std::span<const float> pixels = mask.read();
-  glNamedFramebufferTexture(made_->framebuffer.name(), GL_COLOR_ATTACHMENT0, 0, 0);
-  return {pixels.begin(), pixels.end()};
+  return read_mask(*gbuffer_, [&](unsigned target) { look_up(made_->resolve_programs[int(projection())], target); });
 }
 
 std::optional<Explanation> ComparedMap::explain(std::size_t index) const {
@@ -204,10 +162,9 @@ std::optional<Explanation> ComparedMap::explain(std::size_t index) const {
 std::vector<DebugLayer> ComparedMap::debug_layers() const { return map_layers(images()); }
 
 std::vector<float> ComparedMap::draw_debug(std::string_view layer) const {
-  if (layer == "map") {
+  if (layer == "map")
     return paint_map(camera_, gbuffer_->width, gbuffer_->height,
                      [&](std::size_t image) { return camera_.texels_of(camera_.images[image], depths()); });
-  }
   if (layer != "texels") return Technique::draw_debug(layer);
   std::vector<LookUp> look_ups(gbuffer_->size());
   for (std::size_t i = 0; i < look_ups.size(); ++i) {

@@ -3,9 +3,7 @@
 #include <gnomon/kit/parallel.h>
 
 #include <algorithm>
-#include <cmath>
 #include <numeric>
-#include <vector>
 
 namespace gnomon {
 

@@ -1,8 +1,6 @@
 #include <gnomon/kit/maps/filtered_map.h>
 #include <gnomon/kit/maps/light_layers.h>
 
-#include <cmath>
-
 namespace gnomon {
 
 namespace {
@@ -149,18 +147,13 @@ void FilteredMap::resolve(const GBuffer& gbuffer, VisibilityMask& mask) {
 }
 
 void FilteredMap::look_up(unsigned target) const {
-  const GBufferTextures& textures = gbuffer_textures(*gbuffer_, *made_->scene);
   const Program& program = made_->resolve_programs[static_cast<int>(projection_of(camera_))];
   set_light_camera(program, light_, camera_);
   set_constants(program);
   program.set("look_up", glm::vec2(bias.value(), leak_reduction.value()));
   set_prefilter(program, used_prefilter(), gbuffer_->view, gbuffer_->width, gbuffer_->height, texel().to_one);
-  bind_gbuffer(textures);
   glBindTextureUnit(has_table() ? 4 : 3, means_.name());
-  begin_mask(made_->framebuffer, target, textures);
-  glUseProgram(program.name());
-  draw_receivers(textures);
-  glNamedFramebufferTexture(made_->framebuffer.name(), GL_COLOR_ATTACHMENT0, 0, 0);
+  draw_mask(program, made_->framebuffer, target, gbuffer_textures(*gbuffer_, *made_->scene));
 }
 
 Counts FilteredMap::counts() const {
@@ -212,12 +205,8 @@ std::vector<float> FilteredMap::draw_debug(std::string_view layer) const {
     const glm::dvec2 place = image.texel_of(image.place_of(gbuffer_->position(i)));
     look_ups[i] = {face, image.layer < 0 ? glm::ivec2(-1) : glm::ivec2(glm::floor(place))};
   }
-  VisibilityMask mask(gbuffer_->width, gbuffer_->height);
-  {
-    const StateGuard guard;
-    look_up(mask.texture());
-  }
-  return paint_texels(camera_, *made_->scene, *gbuffer_, light_, look_ups, mask.read());
+  const std::vector<float> mask = read_mask(*gbuffer_, [&](unsigned target) { look_up(target); });
+  return paint_texels(camera_, *made_->scene, *gbuffer_, light_, look_ups, mask);
 }
 
 }  // namespace gnomon

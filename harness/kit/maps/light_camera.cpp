@@ -3,9 +3,6 @@
 #include <gnomon/kit/maps/light_camera.h>
 #include <gnomon/kit/parallel.h>
 
-#include <algorithm>
-#include <array>
-#include <cmath>
 #include <mutex>
 
 namespace gnomon {
@@ -115,15 +112,12 @@ LightExtent seen_in_pyramid(const LightSpaceFace& face, const Bounds& box, doubl
   return extent;
 }
 
-LightExtent seen_orthographic(const LightSpaceFace& face, const Bounds& box) {
+/// What of a mesh's box is seen through a face; `tangent` is half the pyramid's opening (unused when orthographic).
+LightExtent seen_of(const LightSpaceFace& face, const Bounds& box, double tangent) {
+  if (face.is_perspective) return seen_in_pyramid(face, box, tangent);
   LightExtent extent;
   for (const glm::dvec3& q : corners_of(face, box)) extent.add(glm::dvec2(q), q.z);
   return extent;
-}
-
-/// What of a mesh's box is seen through a face; `tangent` is half the pyramid's opening (unused when orthographic).
-LightExtent seen_of(const LightSpaceFace& face, const Bounds& box, double tangent) {
-  return face.is_perspective ? seen_in_pyramid(face, box, tangent) : seen_orthographic(face, box);
 }
 
 /// How images are fitted.
@@ -188,9 +182,8 @@ void leave_out_unseen(LightImage& image, const MeshBoxes& boxes, const LightExte
 /// Right, down, axis.
 glm::dmat3 frame_along(const glm::dvec3& axis) {
   const glm::dvec3 a = glm::abs(axis);
-  const glm::dvec3 helper = a.x >= a.y && a.x >= a.z ? glm::dvec3(0, 1, 0)
-                            : a.y >= a.z             ? glm::dvec3(0, 0, 1)
-                                                     : glm::dvec3(1, 0, 0);
+  glm::dvec3 helper(0);  // the axis after the longest
+  helper[a.x >= a.y && a.x >= a.z ? 1 : a.y >= a.z ? 2 : 0] = 1;
   const auto [u, v] = Across(axis, helper);
   return frame_of(v, -u, axis);
 }
@@ -222,8 +215,8 @@ void number_layers(LightCamera& camera) {
     if (!image.casters.empty()) image.layer = camera.layer_count++;
 }
 
-/// Whether a point of a picture faces the light, so that the light's images are read for it.
-struct FacesLight {
+/// Finds the points of a picture that face the light, so that the light's images are read for them.
+struct PointsFacing {
   const Light& light;
   const MeshBoxes& boxes;
   const GBuffer& gbuffer;
@@ -231,10 +224,16 @@ struct FacesLight {
   glm::dvec4 l = homogeneous(light);
   bool has_cone = std::holds_alternative<SpotLight>(light.kind);
 
-  bool operator()(std::size_t i, const glm::dvec3& point) const {
-    return glm::dot(glm::dvec3(gbuffer.normal(i)), to_light(l, point)) > -radius && (!has_cone || in_spot_cone(light, point));
+  /// Calls visit(point) for those of pixels begin .. end - 1.
+  template <class Visit>
+  void each(std::size_t begin, std::size_t end, const Visit& visit) const {
+    for (std::size_t i = begin; i < end; ++i) {
+      if (gbuffer.is_background(i) || !boxes.meshes[gbuffer.mesh[i]].receives) continue;
+      const glm::dvec3 point = gbuffer.position(i);
+      if (glm::dot(glm::dvec3(gbuffer.normal(i)), to_light(l, point)) > -radius && (!has_cone || in_spot_cone(light, point)))
+        visit(point);
+    }
   }
-  bool receives(std::size_t i) const { return !gbuffer.is_background(i) && boxes.meshes[gbuffer.mesh[i]].receives; }
 };
 
 constexpr std::size_t point_block = 8192;
@@ -242,18 +241,15 @@ constexpr std::size_t point_block = 8192;
 /// What of each face the points of a picture take that face the light.
 std::array<LightExtent, 6> seen_in_picture(const Light& light, const MeshBoxes& boxes, const LightSpace& space,
                                            const GBuffer& gbuffer, double radius) {
-  const FacesLight faces_light{light, boxes, gbuffer, radius};
+  const PointsFacing facing{light, boxes, gbuffer, radius};
   std::array<LightExtent, 6> all;
   std::mutex mutex;
   for_blocks(gbuffer.size(), point_block, [&](std::size_t begin, std::size_t end) {
     std::array<LightExtent, 6> found;
-    for (std::size_t i = begin; i < end; ++i) {
-      if (!faces_light.receives(i)) continue;
-      const glm::dvec3 point = gbuffer.position(i);
-      if (!faces_light(i, point)) continue;
+    facing.each(begin, end, [&](const glm::dvec3& point) {
       const auto [face, q] = space.seen(point);
       found[face].add(space.is_parallel() ? glm::dvec2(q) : glm::dvec2(q) / q.z, q.z);
-    }
+    });
     const std::scoped_lock lock(mutex);
     for (std::size_t face = 0; face < found.size(); ++face) all[face].add(found[face]);
   });
@@ -307,15 +303,10 @@ LightCamera fit_to_scene(const Light& light, const MeshBoxes& boxes, int resolut
 }
 
 std::vector<glm::dvec3> points_facing(const Light& light, const MeshBoxes& boxes, const GBuffer& gbuffer) {
-  const FacesLight faces_light{light, boxes, gbuffer};
+  const PointsFacing facing{light, boxes, gbuffer};
   std::vector<std::vector<glm::dvec3>> found((gbuffer.size() + point_block - 1) / point_block);
   for_blocks(gbuffer.size(), point_block, [&](std::size_t begin, std::size_t end) {
-    std::vector<glm::dvec3>& points = found[begin / point_block];
-    for (std::size_t i = begin; i < end; ++i) {
-      if (!faces_light.receives(i)) continue;
-      const glm::dvec3 point = gbuffer.position(i);
-      if (faces_light(i, point)) points.push_back(point);
-    }
+    facing.each(begin, end, [&](const glm::dvec3& point) { found[begin / point_block].push_back(point); });
   });
   std::vector<glm::dvec3> all;
   for (const std::vector<glm::dvec3>& points : found) all.insert(all.end(), points.begin(), points.end());

@@ -1,11 +1,6 @@
-#include <gnomon/kit/geometry/camera.h>
 #include <gnomon/kit/maps/light_layers.h>
 #include <gnomon/kit/maps/prefilter.h>
 #include <gnomon/kit/parallel.h>
-
-#include <algorithm>
-#include <array>
-#include <cmath>
 
 namespace gnomon {
 
@@ -73,15 +68,13 @@ void paint_face(const LightImage& face, std::span<const float> depths, int resol
     const double row = static_cast<double>(texel / resolution) + 0.5;
     return depths[texel] * face.divisor(face.window_of({0, row}));
   };
-  double near = INFINITY, far = -INFINITY, least = INFINITY, most = 0;
+  double least = INFINITY, most = 0;
   for (std::size_t i = 0; i < depths.size(); ++i) {
     if (depths[i] > 0) least = std::min(least, depth_of(i));
     most = std::max(most, depth_of(i));
   }
-  if (most > 0) {
-    near = face.axis_distance(most);
-    far = face.axis_distance(least);
-  }
+  // Used only where something is stored.
+  const double near = face.axis_distance(most), far = most > 0 ? face.axis_distance(least) : -INFINITY;
   // Texels from one pixel to the next: as far apart are the neighbors that tell a jump of depth from a slope.
   const int step = std::max(1, static_cast<int>(std::ceil(resolution / std::max(1.0, std::min(placed.size.x, placed.size.y)))));
   constexpr double jump = 0.015;  // of the range
@@ -110,17 +103,6 @@ void paint_face(const LightImage& face, std::span<const float> depths, int resol
       const glm::dvec3 color = color_at(share);
       for (int c = 0; c < 3; ++c) picture[3 * (static_cast<std::size_t>(y) * width + x) + c] = static_cast<float>(color[c]);
     }
-}
-
-/// Lengths of a texel's longer and shorter way across a surface, in pixels.
-struct TexelSize {
-  double longer, shorter;
-};
-
-/// From how texel coordinates change from pixel to pixel, over the plane of pixel i's point.
-TexelSize texel_size(const LightImage& face, const Camera& camera, const GBuffer& gbuffer, std::size_t i) {
-  const glm::dvec2 ways = squared_ways(pixel_on_image(face, camera, gbuffer.position(i), gbuffer.normal(i)));
-  return {1 / std::sqrt(ways.y), 1 / std::sqrt(ways.x)};
 }
 
 }  // namespace
@@ -199,11 +181,13 @@ std::vector<float> paint_texels(const LightCamera& light_camera, const Scene& sc
       double brightness = (0.65 + 0.35 * std::abs(glm::dot(glm::dvec3(gbuffer.normal(i)), to_eye))) * (0.35 + 0.65 * mask[i]);
       glm::dvec3 color = beside_map.color;
       if (light_camera.holds(texel)) {
-        const TexelSize size = texel_size(light_camera.images[image], camera, gbuffer, i);
-        const auto is_in = [&](const TexelClass& c) { return !(size.longer > c.last); };
+        const glm::dmat2 pixel = pixel_on_image(light_camera.images[image], camera, gbuffer.position(i), gbuffer.normal(i));
+        // A texel's shorter and longer way across the surface, in pixels.
+        const glm::dvec2 size = 1.0 / glm::sqrt(squared_ways(pixel));
+        const auto is_in = [&](const TexelClass& c) { return !(size.y > c.last); };
         color = std::ranges::find_if(texel_classes, is_in)->swatch.color;
         // A pattern finer than two pixels would be noise.
-        if ((texel.x + texel.y) % 2 != 0) brightness *= 1 - 0.4 * std::clamp(size.shorter - 1, 0.0, 1.0);
+        if ((texel.x + texel.y) % 2 != 0) brightness *= 1 - 0.4 * std::clamp(size.x - 1, 0.0, 1.0);
       }
       if (light_camera.images.size() > 1 && is_on_rim(i)) color = cube_faces[image].color;
       for (int c = 0; c < 3; ++c) picture[3 * i + c] = static_cast<float>(brightness * color[c]);

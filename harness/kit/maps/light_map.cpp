@@ -1,8 +1,4 @@
-#include <gnomon/kit/gl/gl_limits.h>
 #include <gnomon/kit/maps/light_map.h>
-
-#include <algorithm>
-#include <array>
 
 namespace gnomon {
 
@@ -17,6 +13,9 @@ void main() {
   if (gl_FragCoord.z >= texelFetch(first_depth, ivec3(gl_FragCoord.xy, layer), 0).r) discard;
 }
 )";
+
+/// Of a camera, at most.
+int image_count(bool is_cube, LightImages images) { return is_cube ? 6 : images == LightImages::slices ? ViewSlices::most : 1; }
 
 }  // namespace
 
@@ -87,9 +86,8 @@ std::size_t DepthImages::draw(const Program& program, const LightCamera& camera,
 }
 
 LightProjection projection_of(const LightCamera& camera) {
-  return camera.is_cube()             ? LightProjection::cube
-         : camera.space.is_parallel() ? LightProjection::parallel
-                                      : LightProjection::centered;
+  if (camera.is_cube()) return LightProjection::cube;
+  return camera.space.is_parallel() ? LightProjection::parallel : LightProjection::centered;
 }
 
 std::string light_map_head(LightProjection projection, LightImages images) {
@@ -109,18 +107,13 @@ Support light_map_support(const Light& light, int resolution, int margin, int mo
                     resolution, 4 * margin));
   // Of faces a cube has most: the origin, two vectors for each image, spot. Of slices: the origin, two vectors for each, two
   // for the division, the axes, spot. Of a warp: the origin, two vectors for its image, the warp, the axes, spot.
-  const int constants = images == LightImages::slices   ? 1 + 2 * ViewSlices::most + 2 + 3 + 1
-                        : images == LightImages::warped ? 1 + 2 + 1 + 3 + 1
-                                                        : 1 + 12 + 1;
-  return within_limits({.varying_components = 4 * (constants + more_constants),
-                        .texture_size = resolution,
-                        .texture_layers = is_cube                         ? 6
-                                          : images == LightImages::slices ? ViewSlices::most
-                                                                          : 1});
+  constexpr int constants[] = {1 + 12 + 1, 1 + 2 * ViewSlices::most + 2 + 3 + 1, 1 + 2 + 1 + 3 + 1};
+  const int components = 4 * (constants[static_cast<int>(images)] + more_constants), layers = image_count(is_cube, images);
+  return within_limits({.varying_components = components, .texture_size = resolution, .texture_layers = layers});
 }
 
 std::string light_map_constants(LightProjection projection, LightImages images) {
-  const int count = projection == LightProjection::cube ? 6 : images == LightImages::slices ? ViewSlices::most : 1;
+  const int count = image_count(projection == LightProjection::cube, images);
   // A cube has no axes of its own, its faces only exchange those of the world. Slices and warps have theirs in meters.
   constexpr std::string_view axes[] = {"mat3 light_axes; mat3 light_steps;",
                                        "mat3 light_axes; vec4 light_depth; vec3 light_ends;",
@@ -130,7 +123,8 @@ std::string light_map_constants(LightProjection projection, LightImages images) 
                      projection == LightProjection::cube ? "" : axes[static_cast<int>(images)], cone);
 }
 
-// llvmpipe executes both sides of every branch and gathers what is indexed by a variable: the six are told apart by selecting.
+// llvmpipe executes both sides of every branch and gathers what is indexed by a variable: so the face is found by selecting
+// among the six.
 const std::string_view light_map_snippet = R"(
 layout(binding = 3) uniform sampler2DArray light_map;
 #if PROJECTION == 2
@@ -257,14 +251,7 @@ void set_light_camera(const Program& program, const Light& light, const LightCam
   for (std::size_t i = 0; i < camera.images.size(); ++i) {
     LightImage image = camera.images[i];
     // Where nothing casts, every look-up falls far off the image.
-    if (image.layer < 0) {
-      image.scale = glm::dvec2(1);
-      image.offset = glm::dvec2(-1e6);
-      image.pivot = glm::dvec2(0);
-      image.lean = 0;
-      image.near = 0.5;
-      image.far = 1;
-    }
+    if (image.layer < 0) image = {image, glm::dvec2(1), glm::dvec2(-1e6), glm::dvec2(0), 0, 0.5, 1};
     windows[i] = glm::vec4(image.scale, image.offset);
     facts[i] = glm::vec4(std::max(image.layer, 0), 1 / std::min(image.scale.x, image.scale.y), image.near,
                          fourth ? fourth(image) : image.far);

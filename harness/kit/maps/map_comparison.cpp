@@ -1,36 +1,17 @@
 #include <gnomon/kit/maps/map_comparison.h>
 
-#include <algorithm>
-#include <cmath>
 #include <numbers>
 
 namespace gnomon {
 
 int MapFilter::margin() const {
-  switch (kind) {
-    case Kind::pcf:
-      return radius;
-    case Kind::disc:
-      return radius + 1;
-    case Kind::bilinear:
-      return 1;
-    default:
-      return 0;
-  }
+  return kind == Kind::pcf ? radius : kind == Kind::disc ? radius + 1 : kind == Kind::bilinear ? 1 : 0;
 }
 
 // The point is up to half a texel from the middle of its own, along both axes; that of a disc is its center.
 double MapFilter::reach() const {
-  switch (kind) {
-    case Kind::pcf:
-      return 2 * radius + 1;
-    case Kind::disc:
-      return (radius + 0.5) * std::numbers::sqrt2;
-    case Kind::bilinear:
-      return 2;
-    default:
-      return 1;
-  }
+  if (kind == Kind::disc) return (radius + 0.5) * std::numbers::sqrt2;
+  return kind == Kind::pcf ? 2 * radius + 1 : kind == Kind::bilinear ? 2 : 1;
 }
 
 std::vector<WeightedTexel> MapFilter::texels(const glm::dvec2& place) const {
@@ -71,8 +52,7 @@ Explanation explain_comparison(const DepthTexels& texels, const MapComparison& c
   const LightImage& image = texels.image;
   Explanation why;
   glm::dvec3 q = image.seen(point);
-  const glm::dvec3 n = image.turned(normal);
-  const glm::dvec3 ray = image.is_perspective ? q / q.z : glm::dvec3(0, 0, 1);
+  const glm::dvec3 n = image.turned(normal), ray = image.is_perspective ? q / q.z : glm::dvec3(0, 0, 1);
   const double facing = -glm::dot(n, ray);
   const glm::dvec2 width = image.texel_width(q);
   why.texel_width = std::max(width.x, width.y);
@@ -96,5 +76,177 @@ Explanation explain_comparison(const DepthTexels& texels, const MapComparison& c
     if (weight > 0) why.taps.push_back(texels.camera.tap(image, texels.depths, texel, weight));
   return why;
 }
+
+// --- The same in the shader ------------------------------------------------------------------------------------------------
+
+std::string comparison_head(const MapComparison& comparison) {
+  return fmt::format("#define BIAS {}\n#define FILTER {}\n", static_cast<int>(comparison.bias),
+                     static_cast<int>(comparison.filter.kind));
+}
+
+// depth_bias, half of slope_bias and normal_offset, each times the filter's reach, and rounding; the diagonal of a texel in
+// window coordinates, under parallel rays.
+std::string comparison_constants(LightProjection projection, LightImages images) {
+  const bool has_diagonal = projection == LightProjection::parallel && images == LightImages::faces;
+  return light_map_constants(projection, images) + (has_diagonal ? "vec4 biases; float diagonal;" : "vec4 biases;");
+}
+
+void set_comparison(const Program& program, const Light& light, const LightCamera& camera, const MapComparison& comparison) {
+  using Bias = MapComparison::Bias;
+  set_light_camera(program, light, camera, [&](const LightImage& image) {
+    if (!image.is_perspective) return image.far;
+    return comparison.bias == Bias::slope ? glm::length(1.0 / image.scale) : camera.rounding / (image.near * image.far);
+  });
+  program.set_if_used("radius", comparison.filter.radius);
+  program.set_if_used("biases",
+                      glm::vec4(comparison.depth_bias, 0.5 * comparison.slope_bias, comparison.normal_offset, camera.rounding));
+  program.set_if_used("diagonal", static_cast<float>(glm::length(1.0 / camera.images[0].scale)));
+}
+
+// Mirrors explain_comparison; see there for the meaning of each quantity. A branch on a uniform would be paid in full on
+// llvmpipe, which executes both sides of every branch: so bias and filter are the head's. The last of an image's facts is far
+// (parallel rays), the texel's diagonal in window coordinates (slope bias) or the rounding error of the depth per squared axis
+// distance (receiver plane).
+const std::string_view comparison_snippet = R"(
+#if FILTER == 1 || FILTER == 2
+uniform int radius;
+#endif
+// Of a texel, in window coordinates.
+#ifdef WARPED
+#define diagonal length(light_stretch / light_window.xy)
+#elif PROJECTION != 0
+#define diagonal light_facts.w
+#elif defined(SLICED)
+#define diagonal length(1 / light_window.xy)
+#endif
+
+/// A point as it is compared with texels.
+struct ComparedPoint {
+  bool is_compared;
+  vec2 position;
+  float scale, depth, bias;  // all comparisons are multiplied by the scale
+#if BIAS == 3
+  vec2 step_height;
+#endif
+};
+
+// Dark: something is stored, and before the receiver by more than the bias. No quotient of depths is formed: with a center,
+// near / d < q_z / m - bias; where m <= 0 the texel's ray meets the receiver's plane at infinity.
+float lit_at(ComparedPoint point, vec2 tap) {
+  float d = stored_depth(tap), near = light_facts.z;
+  // How much the receiver's plane rises toward the light between the point and the texel's center.
+#if BIAS == 3
+  float rise = dot(point.step_height, way_in_image(point.position, tap + 0.5));
+#else
+  const float rise = 0;
+#endif
+#if PROJECTION == 0
+  float far = light_facts.w;
+  bool dark = d > 0 && d * (far - near) * point.scale > far * point.scale - point.depth - rise + point.bias * point.scale;
+#else
+  float m = max(point.scale - rise, 0);
+  bool dark = near * m < (point.depth - point.bias * m) * d;
+#endif
+  return dark ? 0 : 1;
+}
+
+ComparedPoint ask(vec4 surface, vec4 facet) {
+  vec3 v = surface.xyz - light_origin, normal = facet.xyz;
+
+  // What faces_light says, from the products that the look-up needs anyway.
+#if PROJECTION == 0
+  float height = height_over_light(normal), squared = 1;
+#else
+  float height = -dot(normal, v), squared = dot(v, v);
+#endif
+  bool faces = surface.w * facet.w * height > 0 && height * height > squared * 2.2737368e-13;
+
+  choose_image(v);
+#if PROJECTION == 2
+  float along = dot(v, spot.xyz);
+#if BIAS == 2
+  vec3 a = abs(v);
+  v += normal * (biases.z * light_facts.y * max(max(a.x, a.y), a.z));
+#endif
+  vec3 h = in_image(v);
+#elif BIAS == 2
+#ifdef WARPED
+  in_image(v);  // for the width of a texel there
+#endif
+  float along = (light_axes * v).z;
+  v += normal * (biases.z * light_facts.y * (PROJECTION == 0 ? 1 : along));
+  vec3 h = in_image(v);
+#else
+  vec3 h = in_image(v);
+  float along = h.z;
+#endif
+#if PROJECTION != 0
+  faces = faces && along >= 0 && along * along >= spot.w * squared;
+#endif
+
+  // Texel coordinates; the axis distance; how fast the light ray, per unit of the axis, sinks into the receiver's plane.
+  float q_z = h.z, fourth = light_facts.w;
+#if PROJECTION == 0
+  vec2 position = h.xy;
+  float texel_width = light_facts.y, facing = height;
+#else
+  float per_z = 1 / q_z;
+  vec2 position = h.xy * per_z;
+  float texel_width = q_z * light_facts.y, facing = height * per_z;
+#endif
+
+  // All comparisons are multiplied by `scale`: the facing where a quotient by it would be needed, else 1.
+  float scale = 1, bias = biases.x * texel_width, error = 0;
+#if BIAS == 1
+  // Half the diagonal times the tangent of the angle between normal and ray, times the facing: its sine over the axis.
+#if PROJECTION == 0
+  error = biases.y * diagonal * sqrt(max(1 - height * height, 0));
+#else
+  error = biases.y * diagonal * q_z * sqrt(max(1 - height * height / squared, 0));
+#endif
+  scale = facing;
+#elif BIAS == 3
+  scale = facing;
+  error = biases.w + texel_width * 0.0078125;
+#if PROJECTION != 0
+  error += fourth * q_z * q_z;
+#endif
+  vec2 step_height = across_image(normal);
+#endif
+  float depth = q_z * scale - error;
+
+#if BIAS == 3
+  return ComparedPoint(faces, position, scale, depth, bias, step_height);
+#else
+  return ComparedPoint(faces, position, scale, depth, bias);
+#endif
+}
+
+float compared(ComparedPoint point) {
+  vec2 position = point.position;
+#if FILTER == 0
+  float lit = lit_at(point, floor(position));
+#elif FILTER == 3
+  vec2 corner = floor(position - 0.5), share = position - 0.5 - corner;
+  float upper = lit_at(point, corner), upper_right = lit_at(point, corner + vec2(1, 0));
+  float lower = lit_at(point, corner + vec2(0, 1)), lower_right = lit_at(point, corner + vec2(1, 1));
+  // Differences: four of one kind give that exactly.
+  upper += share.x * (upper_right - upper), lower += share.x * (lower_right - lower);
+  float lit = upper + share.y * (lower - upper);
+#else
+  float lit = 0, sum = 0;
+  vec2 center = floor(position);
+  int reach = radius + FILTER - 1;
+  for (int y = -reach; y <= reach; ++y)
+    for (int x = -reach; x <= reach; ++x) {
+      vec2 tap = center + vec2(x, y);
+      float weight = FILTER == 1 ? 1 : clamp(float(radius) + 0.5 - distance(tap + 0.5, position), 0, 1);
+      lit += weight * lit_at(point, tap), sum += weight;
+    }
+  lit = min(lit / sum, 1);  // x / x may be above 1: division is right to 2.5 units in the last place
+#endif
+  return point.is_compared ? lit : 1;
+}
+)";
 
 }  // namespace gnomon

@@ -1,8 +1,6 @@
 #include <gnomon/kit/maps/prefilter.h>
 
 #include <bit>
-#include <cmath>
-#include <numbers>
 
 namespace gnomon {
 
@@ -95,7 +93,7 @@ Run blur_run(const Prefilter& filter, double place) {
   return run;
 }
 
-/// Between two neighbors of a level, each the mean of 2^level. Beside the image the last one stands.
+/// Between two neighbors of a level, each the mean of 2^level. Beside the image the last one counts.
 Run level_run(int level, double place, int resolution) {
   const int texels = 1 << level, last = (resolution >> level) - 1;
   const double at = place / texels - 0.5;

@@ -34,7 +34,7 @@ struct HeatClass {
 };
 
 /// The colors lie some 20 to 40 apart in CIE L*a*b*, small values farthest, and each is lighter than the one before, so that
-/// classes are told apart in gray, too.
+/// classes differ in gray, too.
 const std::vector<HeatClass> heat_classes{{{"1", linear(44, 24, 130)}, 1},
                                           {{"2", linear(38, 62, 190)}, 2},
                                           {{"3", linear(30, 104, 222)}, 3},
@@ -92,19 +92,15 @@ std::vector<float> heat_layer(const GBuffer& gbuffer, std::span<const float> val
   assert(values.size() == gbuffer.size());
   std::vector<float> picture(gbuffer.size() * 3);
   const glm::dvec3 eye = gbuffer.view.eye;
-  for (std::size_t i = 0; i < gbuffer.size(); ++i) {
-    if (values[i] > 0) {
-      put(picture, i, heat(values[i]));
-    } else if (values[i] < 0) {
-      put(picture, i, negative.color);
-    } else if (gbuffer.is_background(i)) {
-      put(picture, i, background);
-    } else {
-      // Lit from the eye: no light is known here, and shape is all that is wanted.
-      const glm::dvec3 to_eye = glm::normalize(eye - glm::dvec3(gbuffer.position(i)));
-      put(picture, i, glm::dvec3(0.02 + 0.10 * std::abs(glm::dot(glm::dvec3(gbuffer.normal(i)), to_eye))));
-    }
-  }
+  const auto color = [&](std::size_t i) {
+    if (values[i] > 0) return heat(values[i]);
+    if (values[i] < 0) return negative.color;
+    if (gbuffer.is_background(i)) return background;
+    // Lit from the eye: no light is given here, and the picture has to show only the shapes.
+    const glm::dvec3 to_eye = glm::normalize(eye - glm::dvec3(gbuffer.position(i)));
+    return glm::dvec3(0.02 + 0.10 * std::abs(glm::dot(glm::dvec3(gbuffer.normal(i)), to_eye)));
+  };
+  for (std::size_t i = 0; i < gbuffer.size(); ++i) put(picture, i, color(i));
   return picture;
 }
 

@@ -1,12 +1,9 @@
 #include <gnomon/kit/pictures/lines.h>
 
 #include <algorithm>
-#include <array>
 #include <cassert>
-#include <cmath>
 #include <cstdlib>
 #include <limits>
-#include <optional>
 
 namespace gnomon {
 

@@ -2,9 +2,7 @@
 
 #include <algorithm>
 #include <cassert>
-#include <cmath>
 #include <limits>
-#include <type_traits>
 
 namespace gnomon {
 
@@ -15,6 +13,9 @@ int first_from(double place, int count) {
   const double first = std::ceil(place - 0.5);
   return first <= 0 ? 0 : first >= count ? count : static_cast<int>(first);
 }
+
+const glm::dvec3& place_of(const Corner& corner) { return corner.at; }
+const glm::dvec3& place_of(const glm::dvec3& corner) { return corner; }
 
 }  // namespace
 
@@ -43,11 +44,7 @@ std::span<const PixelSpan> Painter::spans_of(std::span<const Point> corners) {
   unsigned some = 0, all = ~0u;
   double nearest = std::numeric_limits<double>::infinity(), farthest = 0;
   for (const Point& corner : corners) {
-    glm::dvec3 from_eye;
-    if constexpr (std::is_same_v<Point, Corner>)
-      from_eye = corner.at - eye_;
-    else
-      from_eye = corner - eye_;
+    const glm::dvec3 from_eye = place_of(corner) - eye_;
     const glm::dvec3 p(glm::dot(from_eye, right_), glm::dot(from_eye, down_), glm::dot(from_eye, forward_));
     assert(std::isfinite(p.x + p.y + p.z));
     polygon_.add({p});

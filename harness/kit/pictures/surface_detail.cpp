@@ -1,12 +1,9 @@
-#include <gnomon/error.h>
 #include <gnomon/kit/pictures/layers.h>
 #include <gnomon/kit/pictures/painter.h>
 #include <gnomon/kit/pictures/surface_detail.h>
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
-#include <utility>
 
 namespace gnomon {
 
@@ -31,14 +28,8 @@ std::span<const glm::dvec3> corners_of(const SurfaceDetail& detail, const Detail
   return std::span(detail.corners).subspan(polygon.first, polygon.count);
 }
 
-/// A triangle's plane, by a normal of any length and a point on it.
-struct PointNormal {
-  glm::dvec3 normal, point;
-};
-
-PointNormal plane_of(const Scene& scene, const DetailPolygon& polygon) {
-  const Triangle triangle = scene.meshes[polygon.mesh].corners(polygon.triangle);
-  return {triangle.normal(), triangle.points[0]};
+Triangle triangle_around(const Scene& scene, const DetailPolygon& polygon) {
+  return scene.meshes[polygon.mesh].corners(polygon.triangle);
 }
 
 /// How far a point of the plane lies outside a convex polygon, at least: the largest distance from the line of an edge.
@@ -63,6 +54,11 @@ std::vector<std::uint32_t> find_owners(const Scene& scene, const GBuffer& gbuffe
   const auto is_curve = [&](std::uint32_t mesh) {
     return gbuffer.truth == Truth::shape && scene.meshes[mesh].has_curved_shape();
   };
+  const auto offer = [&](std::size_t pixel, std::size_t polygon, double distance) {
+    if (!(distance < distances[pixel])) return;
+    distances[pixel] = distance;
+    owners[pixel] = static_cast<std::uint32_t>(polygon);
+  };
   Painter painter(camera);
   for (std::uint32_t k = 0; k < detail.polygons.size(); ++k) {
     const DetailPolygon& polygon = detail.polygons[k];
@@ -73,15 +69,12 @@ std::vector<std::uint32_t> find_owners(const Scene& scene, const GBuffer& gbuffe
         if (gbuffer.triangle[i] == polygon.triangle) owners[i] = k;
         return;
       }
-      const PointNormal plane = plane_of(scene, polygon);
+      const Triangle triangle = triangle_around(scene, polygon);
+      const glm::dvec3 normal = triangle.normal(), corner = triangle.points[0];
       const glm::dvec3 ray =
           camera.ray(static_cast<double>(i % gbuffer.width) + 0.5, static_cast<double>(i / gbuffer.width) + 0.5);
-      const double t = glm::dot(plane.normal, plane.point - camera.eye) / glm::dot(plane.normal, ray);
-      const double distance = glm::distance(camera.eye + t * ray, glm::dvec3(gbuffer.position(i)));
-      if (distance < distances[i]) {
-        distances[i] = distance;
-        owners[i] = k;
-      }
+      const double t = glm::dot(normal, corner - camera.eye) / glm::dot(normal, ray);
+      offer(i, k, glm::distance(camera.eye + t * ray, glm::dvec3(gbuffer.position(i))));
     });
   }
   const auto triangle_of = [](const DetailPolygon& p) { return std::pair(p.mesh, p.triangle); };
@@ -92,12 +85,9 @@ std::vector<std::uint32_t> find_owners(const Scene& scene, const GBuffer& gbuffe
       const std::pair own(gbuffer.mesh[i], gbuffer.triangle[i]);
       auto polygon = std::ranges::lower_bound(detail.polygons, own, {}, triangle_of);
       for (; polygon != detail.polygons.end() && triangle_of(*polygon) == own; ++polygon) {
-        const double distance =
-            distance_outside(corners_of(detail, *polygon), plane_of(scene, *polygon).normal, gbuffer.position(i));
-        if (distance < distances[i]) {
-          distances[i] = distance;
-          owners[i] = static_cast<std::uint32_t>(polygon - detail.polygons.begin());
-        }
+        const glm::dvec3 normal = triangle_around(scene, *polygon).normal();
+        const double distance = distance_outside(corners_of(detail, *polygon), normal, gbuffer.position(i));
+        offer(i, static_cast<std::size_t>(polygon - detail.polygons.begin()), distance);
       }
     }
   }
@@ -120,7 +110,7 @@ std::vector<float> make_tones(const SurfaceDetail& detail) {
   return tones;
 }
 
-/// The border between a pixel and the one to its right, or the one below it: of the two, the kind that stands last here.
+/// The border between a pixel and the one to its right, or the one below it: of the two, the kind that is last in this list.
 enum class Border { none, edge, split, shadow };
 
 /// The borders of what pixels show, one pixel wide: seen from the pixel on their left or above.

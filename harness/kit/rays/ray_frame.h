@@ -29,14 +29,8 @@ inline std::uint32_t into_frame(ShadowPacket& packet, double scale) {
     near |= 1u << lane;
     const glm::dvec3 direction(packet.dx[lane], packet.dy[lane], packet.dz[lane]);
     const double longest = extent(direction), unit = longest > 0 ? std::exp2(-std::ilogb(longest)) : 1;
-    packet.ox[lane] = static_cast<float>(origin.x);
-    packet.oy[lane] = static_cast<float>(origin.y);
-    packet.oz[lane] = static_cast<float>(origin.z);
-    packet.dx[lane] = static_cast<float>(direction.x * unit);
-    packet.dy[lane] = static_cast<float>(direction.y * unit);
-    packet.dz[lane] = static_cast<float>(direction.z * unit);
-    packet.tnear[lane] = static_cast<float>(packet.tnear[lane] * (scale / unit));
-    packet.tfar[lane] = static_cast<float>(packet.tfar[lane] * (scale / unit));
+    const auto scaled = [&](float length) { return static_cast<float>(length * (scale / unit)); };
+    set_ray(packet, lane, origin, direction * unit, scaled(packet.tfar[lane]), scaled(packet.tnear[lane]));
   }
   return near;
 }

@@ -6,11 +6,8 @@
 #include <gnomon/kit/vectorized.h>
 #include <tbb/global_control.h>
 
-#include <algorithm>
 #include <atomic>
-#include <cmath>
 #include <mutex>
-#include <optional>
 
 #include "kit/rays/ray_frame.h"
 #include "kit/rays/shape_rays.h"
@@ -20,7 +17,7 @@ namespace gnomon {
 static_assert(sizeof(ShadowPacket) == sizeof(RTCRay16) && offsetof(ShadowPacket, tfar) == offsetof(RTCRay16, tfar) &&
               offsetof(ShadowPacket, id) == offsetof(RTCRay16, id));
 
-/// A geometry of Embree that stands for a mesh with an exact curved shape.
+/// The geometry that Embree traces in place of a mesh with an exact curved shape.
 struct ShapeGeometry {
   Shape shape;
   std::uint32_t mesh;
@@ -50,6 +47,11 @@ void exclude_receiver(const RTCFilterFunctionNArguments* args) {
   }
 }
 
+/// A single ray from its origin to `tfar` lengths of its direction.
+RTCRay ray_to(const glm::vec3& origin, const glm::vec3& direction, float tfar) {
+  return {origin.x, origin.y, origin.z, 0, direction.x, direction.y, direction.z, 0, tfar, 0xffffffffu, 0, 0};
+}
+
 struct LaneRay {
   glm::dvec3 origin, direction;
   double tnear, tfar;
@@ -70,10 +72,12 @@ struct DoubtContext : Context {
   std::uint32_t doubtful = 0;
 };
 
-/// Whether a ray goes through a triangle with so much room on all sides that its float32 numbers leave no doubt.
-bool is_clear(const LaneRay& ray, const glm::dvec3 (&corner)[3], double clearance) {
-  const glm::dvec3 v[3] = {corner[0] - ray.origin, corner[1] - ray.origin, corner[2] - ray.origin};
+/// Whether a ray goes through a triangle, scaled to the frame that is traced, with so much room on all sides that its float32
+/// numbers leave no doubt.
+bool is_clear(const LaneRay& ray, const Triangle& triangle, double scale, double clearance) {
+  glm::dvec3 v[3];
   double turn[3];
+  for (int k = 0; k < 3; ++k) v[k] = scale * glm::dvec3(triangle.points[k]) - ray.origin;
   for (int k = 0; k < 3; ++k) {
     const glm::dvec3 &from = v[k], &to = v[(k + 1) % 3];
     turn[k] = glm::dot(glm::cross(from, to), ray.direction);
@@ -94,12 +98,10 @@ void exclude_doubtful(const RTCFilterFunctionNArguments* args) {
     const unsigned id = RTCRayN_id(args->ray, args->N, lane);
     const Mesh& mesh = context.scene.meshes[RTCHitN_geomID(args->hit, args->N, lane)];
     const Triangle triangle = mesh.corners(RTCHitN_primID(args->hit, args->N, lane));
-    glm::dvec3 corner[3];
-    for (int k = 0; k < 3; ++k) corner[k] = context.scale * glm::dvec3(triangle.points[k]);
     LaneRay ray = lane_ray(args->ray, args->N, lane);
     ray.tnear = context.tnear[id];
     ray.tfar = context.tfar[id];
-    if (is_clear(ray, corner, context.clearance)) continue;
+    if (is_clear(ray, triangle, context.scale, context.clearance)) continue;
     context.doubtful |= 1u << id;
     args->valid[lane] = 0;
   }
@@ -254,15 +256,7 @@ RayScene::Hit RayScene::closest(const glm::dvec3& origin, const glm::dvec3& dire
   if (body_->scale != 1 && !(extent(start) < too_far)) return {};
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
-  RTCRayHit query{};
-  query.ray.org_x = static_cast<float>(start.x);
-  query.ray.org_y = static_cast<float>(start.y);
-  query.ray.org_z = static_cast<float>(start.z);
-  query.ray.dir_x = static_cast<float>(direction.x);
-  query.ray.dir_y = static_cast<float>(direction.y);
-  query.ray.dir_z = static_cast<float>(direction.z);
-  query.ray.tfar = INFINITY;
-  query.ray.mask = 0xffffffffu;
+  RTCRayHit query{ray_to(start, direction, INFINITY), {}};
   query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
   rtcIntersect1(body_->scene, &context, &query);
   if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return {};
@@ -283,16 +277,7 @@ std::vector<RayScene::Met> RayScene::met(const glm::dvec3& origin, const glm::dv
   const glm::dvec3 start = body_->scale * origin;
   if (!(extent(start) < too_far)) return {};
   const double length = glm::length(way);
-  const glm::dvec3 direction = way / length;
-  RTCRay ray{};
-  ray.org_x = static_cast<float>(start.x);
-  ray.org_y = static_cast<float>(start.y);
-  ray.org_z = static_cast<float>(start.z);
-  ray.dir_x = static_cast<float>(direction.x);
-  ray.dir_y = static_cast<float>(direction.y);
-  ray.dir_z = static_cast<float>(direction.z);
-  ray.tfar = static_cast<float>(body_->scale * length);
-  ray.mask = 0xffffffffu;
+  RTCRay ray = ray_to(start, way / length, static_cast<float>(body_->scale * length));
   rtcOccluded1(body_->scene, &search.embree, &ray);
   return search.found;
 }
@@ -334,9 +319,9 @@ std::size_t RayScene::bytes() const {
 
 std::string RayScene::description() const {
   // The widest packet that Embree traces at once tells the instruction set it chose: 16 AVX-512, 8 AVX or AVX2, 4 SSE.
-  int width = 4;
-  if (rtcGetDeviceProperty(body_->device, RTC_DEVICE_PROPERTY_NATIVE_RAY8_SUPPORTED)) width = 8;
-  if (rtcGetDeviceProperty(body_->device, RTC_DEVICE_PROPERTY_NATIVE_RAY16_SUPPORTED)) width = 16;
+  const auto has = [&](RTCDeviceProperty property) { return rtcGetDeviceProperty(body_->device, property) != 0; };
+  int width = has(RTC_DEVICE_PROPERTY_NATIVE_RAY8_SUPPORTED) ? 8 : 4;
+  if (has(RTC_DEVICE_PROPERTY_NATIVE_RAY16_SUPPORTED)) width = 16;
   std::string text =
       fmt::format("Embree {}, {} rays at once, robust; receiver's triangle excluded, origin lifted by 8 * 2^-24 * max|P|",
                   RTC_VERSION_STRING, width);

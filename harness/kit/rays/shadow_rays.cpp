@@ -23,8 +23,7 @@ GNOMON_VECTORIZED std::uint32_t set_up(const Pixels& g, const double* light, Sha
   const double lx = light[0], ly = light[1], lz = light[2], lw = light[3];
   std::uint32_t facing = 0;
   for (int k = 0; k < ray_lanes; ++k) {
-    const double x = g.px[k], y = g.py[k], z = g.pz[k];
-    const double nx = g.nx[k], ny = g.ny[k], nz = g.nz[k];
+    const double x = g.px[k], y = g.py[k], z = g.pz[k], nx = g.nx[k], ny = g.ny[k], nz = g.nz[k];
     const bool on = nx * (lx - lw * x) + ny * (ly - lw * y) + nz * (lz - lw * z) > 0;
     facing |= (on & (g.mesh[k] != no_mesh)) ? 1u << k : 0;
   }
@@ -108,8 +107,7 @@ std::size_t trace_shadows(const RayScene& casters, const Scene& scene, const GBu
     std::uint32_t ids[2][ray_lanes] = {};
     float answer[ray_lanes];
     for (std::size_t group = begin; group < end; ++group) {
-      const std::size_t first = group * ray_lanes;
-      const std::size_t count = std::min<std::size_t>(ray_lanes, gbuffer.size() - first);
+      const std::size_t first = group * ray_lanes, count = std::min<std::size_t>(ray_lanes, gbuffer.size() - first);
       const std::uint32_t valid = filler.fill(first, packet);
       std::uint32_t blocked = 0;
       if (valid) {

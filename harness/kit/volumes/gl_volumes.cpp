@@ -1,7 +1,6 @@
 #include <gnomon/kit/gl/gl_pass.h>
 #include <gnomon/kit/volumes/gl_volumes.h>
 
-#include <algorithm>
 #include <cmath>
 
 namespace gnomon {
@@ -111,18 +110,14 @@ void VolumeCounter::begin(const DepthStencil& depth, const GBufferTextures& gbuf
 }
 
 void VolumeCounter::use(const VolumeProgram& program, VolumeFace face, bool reversed) const {
+  const bool is_before = where_ == CountWhere::before_surface;
   if (pass_ == Pass::stencil) {
     const GLenum in = reversed ? GL_DECR_WRAP : GL_INCR_WRAP, out = reversed ? GL_INCR_WRAP : GL_DECR_WRAP;
-    if (where_ == CountWhere::before_surface) {
-      glStencilOpSeparate(GL_FRONT, GL_KEEP, GL_KEEP, in);
-      glStencilOpSeparate(GL_BACK, GL_KEEP, GL_KEEP, out);
-    } else {
-      glStencilOpSeparate(GL_FRONT, GL_KEEP, out, GL_KEEP);
-      glStencilOpSeparate(GL_BACK, GL_KEEP, in, GL_KEEP);
-    }
+    glStencilOpSeparate(GL_FRONT, GL_KEEP, is_before ? GL_KEEP : out, is_before ? in : GL_KEEP);
+    glStencilOpSeparate(GL_BACK, GL_KEEP, is_before ? GL_KEEP : in, is_before ? out : GL_KEEP);
     glUseProgram(program.stencil.name());
   } else if (pass_ == Pass::wide) {
-    program.wide.set("step_in", (where_ == CountWhere::before_surface) != reversed ? 1.0f : -1.0f);
+    program.wide.set("step_in", is_before != reversed ? 1.0f : -1.0f);
     glUseProgram(program.wide.name());
   } else {
     program.layer.set("face", static_cast<int>(face));

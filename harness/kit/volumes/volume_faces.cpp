@@ -1,8 +1,5 @@
-#include <gnomon/error.h>
 #include <gnomon/kit/parallel.h>
 #include <gnomon/kit/volumes/volume_faces.h>
-
-#include <algorithm>
 
 namespace gnomon {
 
@@ -291,10 +288,8 @@ void FaceDrawer::bind(const Buffer& positions, const FaceBuffers& faces, const g
   glVertexArrayVertexBuffer(vertex_array_.name(), 0, positions.name(), 0, sizeof(glm::vec3));
   if (faces.caps.name()) glVertexArrayElementBuffer(vertex_array_.name(), faces.caps.name());
   glBindVertexArray(vertex_array_.name());
-  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, positions.name());
-  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, faces.sides.name());
-  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, faces.triangles.name());
-  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 3, faces.hubs.name());
+  const GLuint storage[] = {positions.name(), faces.sides.name(), faces.triangles.name(), faces.hubs.name()};
+  glBindBuffersBase(GL_SHADER_STORAGE_BUFFER, 0, 4, storage);
   glBindBuffer(GL_DRAW_INDIRECT_BUFFER, faces.commands.name());
 }
 

@@ -1,10 +1,7 @@
 #include "measure/cause/causes.h"
 
-#include <gnomon/error.h>
-
 #include <algorithm>
 #include <cassert>
-#include <cmath>
 #include <numbers>
 
 #include "measure/cause/causes_taps.h"
@@ -21,25 +18,6 @@ namespace {
 constexpr float edge_width = 1.5f;  ///< pixels
 /// Pixels explained at a time: hundreds of taps each are held in memory.
 constexpr std::size_t chunk = 4096;
-
-bool is_wrong(const Attribution& a, std::size_t i) {
-  return a.reference.classes[i] == PixelClass::T && gnomon::is_wrong(a.mask[i], a.reference.mask[i]);
-}
-
-/// 1 in the reference's shadows of one object, 8 pixels or more, of which the technique has less than a tenth.
-std::vector<std::uint8_t> missing_shadows(const Attribution& a) {
-  const Components shadows = connect(a.reference.nearest_caster, no_mesh, a.gbuffer.width, a.gbuffer.height);
-  std::vector<std::uint32_t> dark(shadows.size.size(), 0);
-  for (std::size_t i = 0; i < a.mask.size(); ++i)
-    if (shadows.of[i] != no_component && !is_lit(a.mask[i])) ++dark[shadows.of[i]];
-  std::vector<std::uint8_t> missing(a.mask.size(), 0);
-  for (std::size_t i = 0; i < missing.size(); ++i) {
-    if (shadows.of[i] == no_component) continue;
-    const std::uint32_t size = shadows.size[shadows.of[i]];
-    missing[i] = size >= caster_size && 10 * dark[shadows.of[i]] < size;
-  }
-  return missing;
-}
 
 /// Of each start, whether the light's answer there is another one than the reference's for its pixel, joined over every
 /// `per_pixel` starts in a row: 1 where it is for any of them.
@@ -73,25 +51,19 @@ std::vector<std::uint8_t> is_on_thin_edge(const Attribution& a, const LightRays&
   return any_differs(a, rays, starts, 8);
 }
 
-/// A wrong pixel whose technique draws polygons in place of a curve.
-struct OutlineCase {
-  std::uint32_t pixel;
-  double outline_error;
-};
-
 /// 1 where the reference answers otherwise when the light's ray moves across itself by up to the error of the outline: sixteen
 /// ways, the whole of it and half. A convex outline that is nearer than the error is met by one of them.
 std::vector<std::uint8_t> is_within_outline_error(const Attribution& a, const LightRays& rays,
-                                                  std::span<const OutlineCase> pixels) {
+                                                  std::span<const ExplainedPixel> pixels) {
   constexpr int ways = 16;
   std::vector<LightRays::Start> starts;
-  for (const OutlineCase& at : pixels) {
+  for (const ExplainedPixel& at : pixels) {
     const glm::dvec3 point = a.gbuffer.position(at.pixel), n = a.gbuffer.normal(at.pixel), to = rays.toward_light(point);
     const auto [u, w] = across(to);
     for (int k = 0; k < 2 * ways; ++k) {
       // The nearest of sixteen ways is at most 11.25 degrees off the one to the edge.
       const double angle = k * std::numbers::pi / (ways / 2);
-      const double step = (k < ways ? 1.02 : 0.51) * at.outline_error + rays.rounding();
+      const double step = (k < ways ? 1.02 : 0.51) * at.why->outline_error + rays.rounding();
       const glm::dvec3 move = step * (std::cos(angle) * u + std::sin(angle) * w);
       starts.push_back({at.pixel, point + move + back_to_plane(move, to, n), 0});
     }
@@ -107,18 +79,11 @@ void find_regions(const Attribution& a, const LightRays& rays, std::span<const s
   const Cause at_edge = a.rasterizes ? Cause::edge_raster : Cause::edge;
   std::vector<std::uint32_t> candidates, far_away(a.mask.size(), 0);
   for (const std::uint32_t i : pixels) {
-    if (to_edge[i] <= edge_width)
-      causes[i] = at_edge;
-    else
-      candidates.push_back(i);
+    causes[i] = at_edge;
+    if (to_edge[i] > edge_width) candidates.push_back(i);
   }
   const std::vector<std::uint8_t> thin = is_on_thin_edge(a, rays, candidates);
-  for (std::size_t k = 0; k < candidates.size(); ++k) {
-    if (thin[k])
-      causes[candidates[k]] = at_edge;
-    else
-      far_away[candidates[k]] = 1;
-  }
+  for (std::size_t k = 0; k < candidates.size(); ++k) far_away[candidates[k]] = !thin[k];
   const Components regions = connect(far_away, 0, width, height);
   for (const std::uint32_t i : candidates)
     if (far_away[i]) causes[i] = regions.size[regions.of[i]] <= crack_size ? Cause::crack : Cause::region;
@@ -126,61 +91,66 @@ void find_regions(const Attribution& a, const LightRays& rays, std::span<const s
 
 }  // namespace
 
+Cause Attribution::found_without_technique(std::size_t i) const {
+  if (whole && whole->explains(*this, i)) return whole->cause();
+  return !right_on_mesh.empty() && right_on_mesh[i] ? Cause::tessellation : Cause::none;
+}
+
+std::vector<std::optional<Explanation>> Attribution::explanations(std::span<const std::uint32_t> pixels) const {
+  if (!explain) return std::vector<std::optional<Explanation>>(pixels.size());
+  std::vector<std::optional<Explanation>> whys = explain(pixels);
+  if (whys.size() != pixels.size()) throw Error("{} explanations were given for {} pixels", whys.size(), pixels.size());
+  return whys;
+}
+
+Cause Attribution::named_cause(const Explanation& why) const {
+  if (!why.covered) return Cause::beyond_coverage;
+  if (why.formula_differs) return Cause::formula;
+  return why.cause.empty() ? Cause::none : own_cause_named(why.cause, own_causes);
+}
+
 std::vector<Cause> find_causes(const Attribution& a) {
   assert(a.mask.size() == a.gbuffer.size() && a.reference.mask.size() == a.mask.size());
   assert(a.reference.classes.size() == a.mask.size());
   if (a.reference.kind == AnswerKind::fraction) return find_soft_causes(a);
   std::vector<Cause> causes(a.mask.size(), Cause::none);
-  std::vector<std::uint32_t> open, geometric;
+  std::vector<std::uint32_t> open;
   for (std::uint32_t i = 0; i < causes.size(); ++i) {
-    if (!is_wrong(a, i)) continue;
-    if (a.whole && a.whole->explains(a, i))
-      causes[i] = a.whole->cause();
-    else if (!a.right_on_mesh.empty() && a.right_on_mesh[i])
-      causes[i] = Cause::tessellation;
-    else
-      open.push_back(i);
+    if (a.reference.classes[i] != PixelClass::T || !is_wrong(a.mask[i], a.reference.mask[i])) continue;
+    causes[i] = a.found_without_technique(i);
+    if (causes[i] == Cause::none) open.push_back(i);
   }
   if (open.empty()) return causes;
 
-  const std::vector<std::uint8_t> missing = missing_shadows(a);
+  const std::vector<std::uint8_t> missing = missing_shadows(
+      a.reference.nearest_caster, a.gbuffer.width, a.gbuffer.height, [](std::size_t) { return 1; },
+      [&](std::size_t i) { return !is_lit(a.mask[i]); });
   const LightRays rays(a.scene, a.casters, a.gbuffer, a.light);
   for (std::size_t first = 0; first < open.size(); first += chunk) {
     const auto pixels = std::span(open).subspan(first, std::min(chunk, open.size() - first));
-    const auto explanations = a.explain ? a.explain(pixels) : std::vector<std::optional<Explanation>>(pixels.size());
-    if (explanations.size() != pixels.size())
-      throw Error("{} explanations were given for {} pixels", explanations.size(), pixels.size());
-    std::vector<TapCase> cases;
-    std::vector<OutlineCase> outlines;
+    const std::vector<std::optional<Explanation>> whys = a.explanations(pixels);
+    std::vector<ExplainedPixel> with_taps, with_outlines;
     for (std::size_t k = 0; k < pixels.size(); ++k) {
       const std::uint32_t i = pixels[k];
-      const auto& why = explanations[k];
-      if (why && !why->covered)
-        causes[i] = Cause::beyond_coverage;
-      else if (why && why->formula_differs)
-        causes[i] = Cause::formula;
-      else if (why && !why->cause.empty())
-        causes[i] = own_cause_named(why->cause, a.own_causes);
-      else if (const bool is_missing = a.mask[i] > a.reference.mask[i] && missing[i]; why && !why->taps.empty())
-        cases.push_back({i, &*why, is_missing});
+      const auto& why = whys[k];
+      const bool is_missing = a.mask[i] > a.reference.mask[i] && missing[i];
+      if (why) causes[i] = a.named_cause(*why);
+      if (causes[i] != Cause::none) continue;
+      if (why && !why->taps.empty())
+        with_taps.push_back({i, &*why, is_missing});
       else if (is_missing)
         causes[i] = Cause::missing_caster;
       else if (why && why->outline_error > 0)
-        outlines.push_back({i, why->outline_error});
-      else
-        geometric.push_back(i);
+        with_outlines.push_back({i, &*why});
     }
-    const std::vector<std::uint8_t> within = is_within_outline_error(a, rays, outlines);
-    for (std::size_t k = 0; k < outlines.size(); ++k) {
-      if (within[k])
-        causes[outlines[k].pixel] = Cause::tessellation;
-      else
-        geometric.push_back(outlines[k].pixel);
-    }
-    const std::vector<Cause> found = find_tap_causes(a, rays, cases);
-    for (std::size_t k = 0; k < cases.size(); ++k) causes[cases[k].pixel] = found[k];
+    const std::vector<std::uint8_t> within = is_within_outline_error(a, rays, with_outlines);
+    for (std::size_t k = 0; k < within.size(); ++k)
+      if (within[k]) causes[with_outlines[k].pixel] = Cause::tessellation;
+    const std::vector<Cause> found = find_tap_causes(a, rays, with_taps);
+    for (std::size_t k = 0; k < found.size(); ++k) causes[with_taps[k].pixel] = found[k];
   }
-  if (!geometric.empty()) find_regions(a, rays, geometric, causes);
+  std::erase_if(open, [&](std::uint32_t i) { return causes[i] != Cause::none; });
+  if (!open.empty()) find_regions(a, rays, open, causes);
   return causes;
 }
 

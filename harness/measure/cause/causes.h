@@ -1,15 +1,5 @@
 #pragma once
-#include <gnomon/kit/rays/rays.h>
-#include <gnomon/technique.h>
-
-#include <array>
 #include <functional>
-#include <map>
-#include <optional>
-#include <span>
-#include <string>
-#include <string_view>
-#include <vector>
 
 #include "measure/frame/frame.h"
 
@@ -67,7 +57,7 @@ std::string_view name(Cause cause);
 
 struct WholeMask;  // whole_mask.h
 
-/// What is asked about one mask.
+/// A mask and all that its causes are found from.
 struct Attribution {
   const Scene& scene;
   const RayScene& casters;  ///< under the truth of the G-buffer
@@ -83,7 +73,14 @@ struct Attribution {
   LightShareKind estimates = LightShareKind::area;  ///< what the mask is compared with under a light with area
   std::span<const CauseInfo> own_causes = {};       ///< that an explanation may name
   bool rasterizes = false;                          ///< see About
-  const WholeMask* whole = nullptr;                 ///< what became of a mask that another program made; null: nothing is known
+  const WholeMask* whole = nullptr;                 ///< a change of the whole mask by the program that made it; null: none
+
+  /// The cause of a wrong pixel that a change of the whole mask or the triangles in place of shapes give; else `none`.
+  Cause found_without_technique(std::size_t i) const;
+  /// What `explain` answers. Throws Error where it is not one answer for each pixel.
+  std::vector<std::optional<Explanation>> explanations(std::span<const std::uint32_t> pixels) const;
+  /// The cause that an explanation names: beyond_coverage, formula or one of the technique's own; else `none`.
+  Cause named_cause(const Explanation& why) const;
 };
 
 /// The cause of every wrong pixel of class T, under a light with area of every one that is off at all; `none` elsewhere;
@@ -93,9 +90,9 @@ std::vector<Cause> find_causes(const Attribution& attribution);
 /// By name, every cause, common and `own`; zeros too.
 std::map<std::string, std::uint64_t> count_causes(std::span<const Cause> causes, std::span<const CauseInfo> own = {});
 
-/// The causes of a picture that holds each as a number: 0 none, k the k-th of those that its record counts (`counts`, as
-/// count_causes wrote them), for a program that knew fewer causes numbered fewer; behind them the `own` ones of its record.
-/// Without counts today's numbers are meant. Throws Error on a number that is none of these.
+/// The causes of a picture that holds each as a number: 0 is none, k the k-th of those that its record counts (`counts`, as
+/// count_causes wrote them); the `own` ones of its record follow. An older program with fewer causes numbered fewer. Without
+/// counts the numbers are today's. Throws Error on a number that is none of these.
 std::vector<Cause> causes_from_numbers(std::span<const float> numbers,
                                        const std::optional<std::map<std::string, std::uint64_t>>& counts,
                                        std::span<const CauseInfo> own = {});

@@ -1,13 +1,12 @@
 #include <algorithm>
-#include <cmath>
 
 #include "measure/cause/causes.h"
 #include "measure/scene/fields.h"
 
-// Layout: magic, count; for each pixel one record and its taps; where any pixel has samples of the light the magic is another
-// one, and each pixel's samples follow its taps; where any names a cause of the technique's own it is a third one, and the name
-// follows the samples. All little pieces of plain memory: both sides are this program on this machine, or one that knows no
-// samples or no causes of a technique's own.
+// Layout: magic, count; for each pixel one record and its taps. Where any pixel has samples of the light, the magic is another
+// one, and each pixel's samples follow its taps. Where any names a cause of the technique's own, it is a third one, and the
+// name follows the samples. Numbers are as they lie in memory: both sides are this program on this machine, or an older one
+// without samples or without causes of a technique's own.
 
 namespace gnomon {
 
@@ -17,15 +16,7 @@ constexpr std::uint64_t magic_alone = 0x33'79'68'77'6d'6e'67ull;         // "gnm
 constexpr std::uint64_t magic_with_samples = 0x34'79'68'77'6d'6e'67ull;  // "gnmwhy4"
 constexpr std::uint64_t magic_with_causes = 0x35'79'68'77'6d'6e'67ull;   // "gnmwhy5"
 
-/// One explanation less its taps.
-struct Plain {
-  std::uint64_t tap_count = 0, element = 0;
-  double bias = 0, texel_width = 0, outline_error = 0;
-  glm::dvec3 shifted{0};
-  std::uint8_t has_any = 0, covered = 0, has_shifted = 0, has_element = 0, formula_differs = 0;
-  std::uint8_t padding[3] = {};
-};
-static_assert(sizeof(Plain) == 72 && sizeof(Tap) == 64 && std::is_trivially_copyable_v<Tap>);
+static_assert(sizeof(Tap) == 64 && std::is_trivially_copyable_v<Tap>);
 static_assert(sizeof(LightSample) == 40 && std::is_trivially_copyable_v<LightSample>);
 
 bool is_finite(const glm::dvec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
@@ -60,30 +51,20 @@ std::vector<std::byte> explanation_bytes(std::span<const std::optional<Explanati
   const bool has_samples = std::ranges::any_of(explanations, [](const auto& why) { return why && !why->samples.empty(); });
   const bool has_causes = std::ranges::any_of(explanations, [](const auto& why) { return why && !why->cause.empty(); });
   FieldWriter io;
-  io(has_causes    ? magic_with_causes
-     : has_samples ? magic_with_samples
-                   : magic_alone,
-     static_cast<std::uint64_t>(explanations.size()));
+  const std::uint64_t mark = has_causes ? magic_with_causes : has_samples ? magic_with_samples : magic_alone;
+  io(mark, static_cast<std::uint64_t>(explanations.size()));
+  static const Explanation none{};
+  constexpr std::uint8_t padding[3] = {};  // to 72 bytes
   for (const auto& why : explanations) {
-    Plain plain;
-    if (why) {
-      check(*why, static_cast<std::size_t>(&why - explanations.data()));
-      plain.has_any = 1;
-      plain.covered = why->covered;
-      plain.tap_count = why->taps.size();
-      plain.bias = why->bias;
-      plain.texel_width = why->texel_width;
-      plain.outline_error = why->outline_error;
-      plain.formula_differs = why->formula_differs;
-      plain.has_shifted = why->shifted.has_value();
-      plain.shifted = why->shifted.value_or(glm::dvec3(0));
-      plain.has_element = why->element.has_value();
-      plain.element = why->element.value_or(0);
-    }
-    io(plain);
-    if (why) io.items(why->taps);
-    if (why && (has_samples || has_causes)) io(why->samples);
-    if (why && has_causes) io(why->cause);
+    const Explanation& e = why ? *why : none;
+    if (why) check(e, static_cast<std::size_t>(&why - explanations.data()));
+    io(std::uint64_t{e.taps.size()}, e.element.value_or(0), e.bias, e.texel_width, e.outline_error,
+       e.shifted.value_or(glm::dvec3(0)), why.has_value(), why && e.covered, e.shifted.has_value(), e.element.has_value(),
+       e.formula_differs, padding);
+    if (!why) continue;
+    io.items(e.taps);
+    if (mark != magic_alone) io(e.samples);
+    if (mark == magic_with_causes) io(e.cause);
   }
   return std::move(io.bytes);
 }
@@ -97,20 +78,21 @@ std::vector<std::optional<Explanation>> explanations_from_bytes(std::span<const 
                 magic_with_samples, magic_with_causes);
   std::vector<std::optional<Explanation>> explanations;
   io.list(explanations, [&](auto& sub, auto& why) {
-    Plain plain;
-    sub(plain);
-    if (!plain.has_any) return;
-    why.emplace();
-    why->covered = plain.covered;
-    why->bias = plain.bias;
-    why->texel_width = plain.texel_width;
-    why->outline_error = plain.outline_error;
-    why->formula_differs = plain.formula_differs != 0;
-    if (plain.has_shifted) why->shifted = plain.shifted;
-    if (plain.has_element) why->element = plain.element;
-    sub.items(why->taps, plain.tap_count);
-    if (mark != magic_alone) sub(why->samples);
-    if (mark == magic_with_causes) sub(why->cause);
+    Explanation e;
+    std::uint64_t tap_count = 0, element = 0;
+    glm::dvec3 shifted(0);
+    std::uint8_t has_any = 0, is_covered = 0, has_shifted = 0, has_element = 0, formula_differs = 0, padding[3] = {};
+    sub(tap_count, element, e.bias, e.texel_width, e.outline_error, shifted, has_any, is_covered, has_shifted, has_element,
+        formula_differs, padding);
+    if (!has_any) return;
+    e.covered = is_covered != 0;
+    e.formula_differs = formula_differs != 0;
+    if (has_shifted) e.shifted = shifted;
+    if (has_element) e.element = element;
+    sub.items(e.taps, tap_count);
+    if (mark != magic_alone) sub(e.samples);
+    if (mark == magic_with_causes) sub(e.cause);
+    why = std::move(e);
   });
   if (io.left() > 0) throw Error("{} bytes are left after the last explanation", io.left());
   return explanations;

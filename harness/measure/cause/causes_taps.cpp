@@ -4,7 +4,6 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
-#include <cmath>
 #include <numbers>
 
 #include "measure/cause/tap_block.h"
@@ -13,25 +12,23 @@ namespace gnomon {
 
 namespace {
 
-using Question = TapQuestion;
-
-/// Asks what a perfect map of the same texels would see, and then what the texels hold.
+/// Traces what a perfect map of the same texels would see, and then examines what the texels hold.
 class PerfectMap {
  public:
-  PerfectMap(const Attribution& a, const LightRays& rays, std::span<const TapCase> cases, std::span<Cause> causes)
+  PerfectMap(const Attribution& a, const LightRays& rays, std::span<const ExplainedPixel> pixels, std::span<Cause> causes)
       : causes_(causes), block_{rays, snapping_grid(a.reference.subpixel_bits)} {
-    for (const TapCase& c : cases) {
-      Question q{.pixel = c.pixel,
-                 .mesh = a.gbuffer.mesh[c.pixel],
-                 .why = c.why,
-                 .is_missing = c.is_missing,
-                 .is_dark = a.mask[c.pixel] < a.reference.mask[c.pixel],
-                 .visibility = a.mask[c.pixel],
-                 .reference = a.reference.mask[c.pixel],
-                 .point = a.gbuffer.position(c.pixel),
-                 .normal = a.gbuffer.normal(c.pixel),
-                 .to_light = {},
-                 .reach = 2 * std::numbers::sqrt2 * c.why->texel_width};
+    for (const ExplainedPixel& c : pixels) {
+      TapQuestion q{.pixel = c.pixel,
+                    .mesh = a.gbuffer.mesh[c.pixel],
+                    .why = c.why,
+                    .is_missing = c.is_missing,
+                    .is_dark = a.mask[c.pixel] < a.reference.mask[c.pixel],
+                    .visibility = a.mask[c.pixel],
+                    .reference = a.reference.mask[c.pixel],
+                    .point = a.gbuffer.position(c.pixel),
+                    .normal = a.gbuffer.normal(c.pixel),
+                    .to_light = {},
+                    .reach = 2 * std::numbers::sqrt2 * c.why->texel_width};
       q.to_light = rays.toward_light(q.point);
       if (c.why->shifted) q.shift = on_plane(q, *c.why->shifted, -rays.toward_light(*c.why->shifted)) - q.point;
       q.first_tap = block_.places.size();
@@ -44,10 +41,10 @@ class PerfectMap {
     // What a perfect map sees through the taps, at the shifted look-up and where the point itself is.
     block_.seen = block_.rays.lit(all_starts(false));
     std::vector<std::uint8_t> unshifted = block_.seen;
-    if (std::ranges::any_of(block_.questions, [](const Question& q) { return q.why->shifted.has_value(); }))
+    if (std::ranges::any_of(block_.questions, [](const TapQuestion& q) { return q.why->shifted.has_value(); }))
       unshifted = block_.rays.lit(all_starts(true));
     for (std::size_t k = 0; k < block_.questions.size(); ++k) {
-      const Question& q = block_.questions[k];
+      const TapQuestion& q = block_.questions[k];
       const bool is_shifted = q.why->shifted.has_value();
       if (q.is_missing && !StoredTaps(block_, q).holds_caster())
         causes_[k] = Cause::missing_caster;
@@ -65,15 +62,15 @@ class PerfectMap {
     block_.seen = block_.rays.lit(all_starts(false));
     const std::vector<std::uint8_t> unshifted = block_.rays.lit(all_starts(true));
     for (std::size_t k = 0; k < block_.questions.size(); ++k) {
-      const Question& q = block_.questions[k];
-      const double sign = q.is_dark ? -1 : 1, shifted = mean(q, block_.seen), ideal = mean(q, unshifted);
+      const TapQuestion& q = block_.questions[k];
+      const Weights weights = all_weights(q);
+      const auto lit_share = [&](std::span<const std::uint8_t> lit) {
+        return lit_weight(weights, [&](std::size_t j) { return lit[q.first_tap + j] != 0; });
+      };
+      const double sign = q.is_dark ? -1 : 1, shifted = lit_share(block_.seen), ideal = lit_share(unshifted);
       const double stored = sign * (q.visibility - shifted), moved = sign * (shifted - ideal);
-      if (sign * (ideal - q.reference) >= std::max(stored, moved))
-        causes_[k] = Cause::none;
-      else if (moved > stored)
-        causes_[k] = Cause::lookup_shift;
-      else
-        causes_[k] = StoredTaps(block_, q).cause();
+      const bool is_footprint = sign * (ideal - q.reference) >= std::max(stored, moved);
+      causes_[k] = is_footprint ? Cause::none : moved > stored ? Cause::lookup_shift : StoredTaps(block_, q).cause();
       if (causes_[k] == Cause::unexplained && !q.is_dark) causes_[k] = StoredTaps(block_, q).of_taps_alone();
     }
   }
@@ -81,39 +78,42 @@ class PerfectMap {
  private:
   /// Where the line from `origin` along the unit `direction` cuts the pixel's tangent plane on the lit side. A ray that does
   /// not come down to the plane meets it beyond everything.
-  glm::dvec3 on_plane(const Question& q, const glm::dvec3& origin, const glm::dvec3& direction) const {
+  glm::dvec3 on_plane(const TapQuestion& q, const glm::dvec3& origin, const glm::dvec3& direction) const {
     const double down = -glm::dot(q.normal, direction), farthest = block_.rays.beyond_everything(origin);
     const double t = down > 0 ? glm::dot(q.normal, origin - q.point) / down : INFINITY;
     return origin + std::clamp(t, -farthest, farthest) * direction;
   }
 
+  /// From a place of the shifted look-up, or from where it is without the shift.
+  static LightRays::Start start(const TapQuestion& q, const glm::dvec3& place, bool unshifted) {
+    return {q.pixel, place - (unshifted ? q.shift : glm::dvec3(0)), q.reach};
+  }
   std::vector<LightRays::Start> all_starts(bool unshifted) const {
     std::vector<LightRays::Start> starts;
     starts.reserve(block_.places.size());
-    for (const Question& q : block_.questions)
-      for (std::size_t j = 0; j < q.tap_count(); ++j)
-        starts.push_back({q.pixel, block_.places[q.first_tap + j] - (unshifted ? q.shift : glm::dvec3(0)), q.reach});
+    for (const TapQuestion& q : block_.questions)
+      for (std::size_t j = 0; j < q.tap_count(); ++j) starts.push_back(start(q, block_.places[q.first_tap + j], unshifted));
     return starts;
-  }
-
-  /// What taps with these answers give.
-  static double mean(const Question& q, std::span<const std::uint8_t> lit) {
-    double v = 0;
-    for (std::size_t j = 0; j < q.tap_count(); ++j)
-      if (lit[q.first_tap + j]) v += q.why->taps[j].weight;
-    return v;
   }
 
   /// Weights of a question's taps, in their order; 0 leaves one out.
   using Weights = std::vector<double>;
-  static Weights all_weights(const Question& q) {
+  /// The visibility that taps j of these weights make together where is_lit(j) says which are lit.
+  template <class IsLit>
+  static double lit_weight(const Weights& weights, const IsLit& is_lit) {
+    double sum = 0;
+    for (std::size_t j = 0; j < weights.size(); ++j)
+      if (is_lit(j)) sum += weights[j];
+    return sum;
+  }
+  static Weights all_weights(const TapQuestion& q) {
     Weights weights;
     for (const Tap& tap : q.why->taps) weights.push_back(tap.weight);
     return weights;
   }
   /// No filter: equal ones for the taps whose texel may hold the look-up point, which are within half a diagonal across the
   /// light's ray; where a filter has none there, for its nearest.
-  Weights weights_at_point(const Question& q) const {
+  Weights weights_at_point(const TapQuestion& q) const {
     std::vector<double> aside;
     for (std::size_t j = 0; j < q.tap_count(); ++j) {
       const glm::dvec3 way = block_.places[q.first_tap + j] - (q.point + q.shift);  // places are those of the moved look-up
@@ -127,32 +127,22 @@ class PerfectMap {
   }
 
   /// A perfect map of the same texels errs here, too: is it the texels, or how many of them the filter takes?
-  Cause of_texels(const Question& q, std::span<const std::uint8_t> lit, bool unshifted) const {
+  Cause of_texels(const TapQuestion& q, std::span<const std::uint8_t> lit, bool unshifted) const {
     return can_err(q, lit, unshifted, weights_at_point(q)) ? Cause::edge_resolution : Cause::filter_width;
   }
 
   /// Whether a perfect map with these taps would be on the technique's side too. Where it would not be, taps within the
   /// raster's tolerance of an edge may count for the other side: snapping vertices to a grid moves an edge by at most half its
   /// side in each coordinate, and four shifts of twice that across the ray meet every half-plane that such a move can.
-  bool can_err(const Question& q, std::span<const std::uint8_t> lit, bool unshifted, const Weights& weights) const {
-    const auto mean = [&](auto&& is_lit) {
-      double v = 0;
-      for (std::size_t j = 0; j < q.tap_count(); ++j)
-        if (is_lit(j)) v += weights[j];
-      return v;
-    };
+  bool can_err(const TapQuestion& q, std::span<const std::uint8_t> lit, bool unshifted, const Weights& weights) const {
     const auto plain = [&](std::size_t j) { return lit[q.first_tap + j] != 0; };
-    if (q.is_on_technique_side(mean(plain))) return true;
-    const glm::dvec3 back = unshifted ? q.shift : glm::dvec3(0);
-    const auto start_of = [&](std::size_t j) {
-      return LightRays::Start{q.pixel, block_.places[q.first_tap + j] - back, q.reach};
-    };
+    if (q.is_on_technique_side(lit_weight(weights, plain))) return true;
     std::vector<LightRays::Start> starts;
     std::vector<std::size_t> tap;
     for (std::size_t j = 0; j < q.tap_count(); ++j) {
       if (plain(j) != q.is_dark || weights[j] == 0) continue;
       for (const glm::dvec3& moved : block_.shaken(q, j)) {
-        starts.push_back({q.pixel, moved - back, q.reach});
+        starts.push_back(start(q, moved, unshifted));
         tap.push_back(j);
       }
     }
@@ -160,28 +150,17 @@ class PerfectMap {
     std::vector<std::uint8_t> flips(q.tap_count(), 0);
     for (std::size_t s = 0; s < starts.size(); ++s) flips[tap[s]] |= (answers[s] != 0) != q.is_dark;
     // A map is drawn from triangles: with those, a tap may be lit behind the rim of an exact shape.
+    const auto lets_through = [&](const LightRays::Start& from) { return block_.rays.triangles_let_through(from); };
     for (std::size_t s = 0; s < starts.size(); s += 4)
-      if (!q.is_dark && !flips[tap[s]])
-        flips[tap[s]] = block_.rays.triangles_let_through(start_of(tap[s])) ||
-                        std::any_of(&starts[s], &starts[s] + 4,
-                                    [&](const auto& start) { return block_.rays.triangles_let_through(start); });
-    return q.is_on_technique_side(mean([&](std::size_t j) { return plain(j) != (flips[j] != 0); }));
+      if (const std::size_t j = tap[s]; !q.is_dark && !flips[j])
+        flips[j] = lets_through(start(q, block_.places[q.first_tap + j], unshifted)) ||
+                   std::any_of(&starts[s], &starts[s] + 4, lets_through);
+    return q.is_on_technique_side(lit_weight(weights, [&](std::size_t j) { return plain(j) != (flips[j] != 0); }));
   }
 
   std::span<Cause> causes_;
   TapBlock block_;
 };
-
-std::vector<Cause> ask(const Attribution& attribution, const LightRays& rays, std::span<const TapCase> cases,
-                       void (PerfectMap::*answer)()) {
-  std::vector<Cause> causes(cases.size(), Cause::unexplained);
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, cases.size(), 64), [&](const auto& range) {
-    PerfectMap map(attribution, rays, cases.subspan(range.begin(), range.size()),
-                   std::span(causes).subspan(range.begin(), range.size()));
-    (map.*answer)();
-  });
-  return causes;
-}
 
 }  // namespace
 
@@ -198,12 +177,14 @@ std::array<glm::dvec3, 4> TapBlock::shaken(const TapQuestion& q, std::size_t j) 
   return moved;
 }
 
-std::vector<Cause> find_tap_causes(const Attribution& attribution, const LightRays& rays, std::span<const TapCase> cases) {
-  return ask(attribution, rays, cases, &PerfectMap::answer);
-}
-
-std::vector<Cause> find_soft_tap_causes(const Attribution& attribution, const LightRays& rays, std::span<const TapCase> cases) {
-  return ask(attribution, rays, cases, &PerfectMap::answer_soft);
+std::vector<Cause> find_tap_causes(const Attribution& a, const LightRays& rays, std::span<const ExplainedPixel> pixels) {
+  std::vector<Cause> causes(pixels.size(), Cause::unexplained);
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, pixels.size(), 64), [&](const auto& range) {
+    const std::span<Cause> found = std::span(causes).subspan(range.begin(), range.size());
+    PerfectMap map(a, rays, pixels.subspan(range.begin(), range.size()), found);
+    a.reference.kind == AnswerKind::fraction ? map.answer_soft() : map.answer();
+  });
+  return causes;
 }
 
 }  // namespace gnomon

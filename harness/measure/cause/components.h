@@ -1,8 +1,7 @@
 #pragma once
+#include <gnomon/gbuffer.h>
+
 #include <algorithm>
-#include <cstdint>
-#include <span>
-#include <vector>
 
 namespace gnomon {
 
@@ -43,6 +42,25 @@ inline Components connect(std::span<const std::uint32_t> keys, std::uint32_t non
     result.size.push_back(size);
   }
   return result;
+}
+
+/// 1 in every connected set of equal keys that has `caster_size` pixels or more and of whose darkness the mask has less than a
+/// tenth. `darkness(i)` and `darkness_of_mask(i)` are summed over the set; no_mesh is the key of pixels in light.
+template <class Darkness, class DarknessOfMask>
+std::vector<std::uint8_t> missing_shadows(std::span<const std::uint32_t> keys, int width, int height, const Darkness& darkness,
+                                          const DarknessOfMask& darkness_of_mask) {
+  const Components shadows = connect(keys, no_mesh, width, height);
+  std::vector<double> dark(shadows.size.size()), dark_in_mask(dark.size());
+  for (std::size_t i = 0; i < keys.size(); ++i) {
+    if (shadows.of[i] == no_component) continue;
+    dark[shadows.of[i]] += darkness(i);
+    dark_in_mask[shadows.of[i]] += darkness_of_mask(i);
+  }
+  std::vector<std::uint8_t> missing(keys.size(), 0);
+  for (std::size_t i = 0; i < keys.size(); ++i)
+    if (const std::uint32_t shadow = shadows.of[i]; shadow != no_component)
+      missing[i] = shadows.size[shadow] >= caster_size && 10 * dark_in_mask[shadow] < dark[shadow];
+  return missing;
 }
 
 }  // namespace gnomon

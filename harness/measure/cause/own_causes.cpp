@@ -1,11 +1,8 @@
 // Causes of a technique's own: rows behind the common ones, and what they must be like.
 #include "measure/cause/own_causes.h"
 
-#include <gnomon/error.h>
-
 #include <algorithm>
 #include <cctype>
-#include <cmath>
 
 #include "measure/cause/color_vision.h"
 #include "measure/scene/load.h"
@@ -18,53 +15,45 @@ using Color = std::array<std::uint8_t, 3>;
 
 std::string hex(const Color& c) { return fmt::format("#{:02x}{:02x}{:02x}", c[0], c[1], c[2]); }
 
-/// What a color must stay apart from, and what that is called.
-struct ReservedColor {
-  Color color;
-  std::string name;
-};
-
-/// The colors of all common causes and the grays that error pictures have between them.
-std::vector<ReservedColor> common_colors() {
-  std::vector<ReservedColor> taken;
-  for (const CauseInfo& info : cause_infos()) taken.push_back({info.color, std::string(info.name)});
-  for (int gray = 20; gray <= 172; ++gray) {
-    const auto g = static_cast<std::uint8_t>(gray);
-    taken.push_back({{g, g, g}, "the pictures' gray"});
-  }
+/// The common causes, and as rows of their own the grays that error pictures have between them: what other colors must stay
+/// apart from.
+std::vector<CauseInfo> common_colors() {
+  std::vector<CauseInfo> taken = with_common({});
+  for (std::uint8_t gray = 20; gray <= 172; ++gray)
+    taken.push_back({Cause::none, "the pictures' gray", "", rgb(gray, gray, gray)});
   return taken;
 }
 
 /// The distance to the nearest of the colors for the people to whom it is smallest, and which one that is.
-std::pair<double, const ReservedColor*> nearest(const Color& color, std::span<const ReservedColor> taken) {
-  std::pair<double, const ReservedColor*> best{INFINITY, nullptr};
+std::pair<double, const CauseInfo*> nearest(const Color& color, std::span<const CauseInfo> taken) {
+  std::pair<double, const CauseInfo*> best{INFINITY, nullptr};
   for (const glm::dmat3& vision : color_vision::visions) {
     const glm::dvec3 own = color_vision::lab(color, vision);
-    for (const ReservedColor& other : taken)
+    for (const CauseInfo& other : taken)
       if (const double d = glm::distance(own, color_vision::lab(other.color, vision)); d < best.first) best = {d, &other};
   }
   return best;
 }
 
 /// The free color that looks most like this one, among some 36000.
-Color nearest_free(const Color& wanted, std::span<const ReservedColor> taken) {
-  const glm::dvec3 lab = color_vision::lab(wanted, color_vision::visions[0]);
+Color nearest_free(const Color& color, std::span<const CauseInfo> taken) {
+  const glm::dvec3 lab = color_vision::lab(color, color_vision::visions[0]);
   std::vector<std::pair<double, Color>> candidates;
   const auto level = [](int k) { return static_cast<std::uint8_t>(std::min(8 * k, 255)); };
   for (int r = 0; r <= 32; ++r)
     for (int g = 0; g <= 32; ++g)
       for (int b = 0; b <= 32; ++b) {
-        const Color color{level(r), level(g), level(b)};
-        candidates.emplace_back(glm::distance(lab, color_vision::lab(color, color_vision::visions[0])), color);
+        const Color candidate{level(r), level(g), level(b)};
+        candidates.emplace_back(glm::distance(lab, color_vision::lab(candidate, color_vision::visions[0])), candidate);
       }
   std::ranges::sort(candidates);
   const auto free = std::ranges::find_if(
       candidates, [&](const auto& candidate) { return nearest(candidate.second, taken).first >= least_color_distance; });
-  return free == candidates.end() ? wanted : free->second;
+  return free == candidates.end() ? color : free->second;
 }
 
 /// One technique alone.
-void check(const TechniqueEntry& entry, std::vector<ReservedColor> taken) {
+void check(const TechniqueEntry& entry, std::vector<CauseInfo> taken) {
   const auto causes = entry.about.causes;
   if (causes.size() > most_own_causes)
     throw Error("technique {} declares {} causes; {} are allowed", entry.id, causes.size(), most_own_causes);
@@ -84,7 +73,7 @@ void check(const TechniqueEntry& entry, std::vector<ReservedColor> taken) {
           "{}: its color {} is {:.1f} from that of {}, to people who tell the two apart least; {} in CIE Lab is the "
           "least that is allowed, which {} has",
           what, hex(cause.color), distance, other->name, least_color_distance, hex(nearest_free(cause.color, taken)));
-    taken.push_back({cause.color, std::string(cause.id)});
+    taken.push_back({Cause::none, cause.id, cause.sentence, cause.color});
   }
 }
 
@@ -108,12 +97,12 @@ Cause own_cause_named(std::string_view name, std::span<const CauseInfo> own) {
   std::vector<std::string> names;
   for (const CauseInfo& info : own) names.emplace_back(info.name);
   throw Error("an explanation names the cause {}, which the technique does not declare; it declares {}", name,
-              names.empty() ? "none" : joined(names, ", "));
+              names.empty() ? "none" : joined(names));
 }
 
 void check_own_causes(std::span<const TechniqueEntry> techniques) {
   std::map<std::string_view, std::pair<const TechniqueEntry*, const OwnCause*>> declared;
-  std::vector<ReservedColor> common;
+  std::vector<CauseInfo> common;
   for (const TechniqueEntry& entry : techniques) {
     if (entry.about.causes.empty()) continue;
     if (common.empty()) common = common_colors();

@@ -1,17 +1,13 @@
 // Causes of errors under lights with area, in their order; docs/causes.md derives each.
 #include "measure/cause/soft_causes.h"
 
-#include <gnomon/error.h>
 #include <gnomon/kit/parallel.h>
 
 #include <algorithm>
-#include <cmath>
 #include <unordered_map>
 
 #include "measure/cause/causes_taps.h"
 #include "measure/cause/components.h"
-#include "measure/cause/own_causes.h"
-#include "measure/cause/whole_mask.h"
 
 namespace gnomon {
 
@@ -25,24 +21,18 @@ constexpr std::size_t most_items = 1 << 19;  ///< and samples and taps of them
 /// Walks the steps of one mask.
 class SoftCauses {
  public:
-  explicit SoftCauses(const Attribution& a)
-      : a_(a), truth_(a), causes_(a.mask.size(), Cause::none), questions_(a), shapes_(a, truth_) {}
+  explicit SoftCauses(const Attribution& a) : a_(a), truth_(a), causes_(a.mask.size(), Cause::none), shapes_(a, truth_) {}
 
   std::vector<Cause> find() {
     std::vector<std::uint32_t> open;
     for (std::uint32_t i = 0; i < causes_.size(); ++i) {
       if (a_.reference.classes[i] != PixelClass::T || error(i) == 0) continue;
-      if (std::abs(error(i)) <= most_errors * truth_.error[i])
-        causes_[i] = Cause::reference_error;
-      else if (a_.whole && a_.whole->explains(a_, i))
-        causes_[i] = a_.whole->cause();
-      else if (!a_.right_on_mesh.empty() && a_.right_on_mesh[i])
-        causes_[i] = Cause::tessellation;
-      else
-        open.push_back(i);
+      const bool is_noise = std::abs(error(i)) <= most_errors * truth_.error[i];
+      causes_[i] = is_noise ? Cause::reference_error : a_.found_without_technique(i);
+      if (causes_[i] == Cause::none) open.push_back(i);
     }
     open = explain(open);
-    ask_mask(open);
+    examine_mask(open);
     split_regions();
     return std::move(causes_);
   }
@@ -52,15 +42,13 @@ class SoftCauses {
 
   /// What the technique says of the pixels; returns those that stay open.
   std::vector<std::uint32_t> explain(std::span<const std::uint32_t> pixels) {
-    if (!a_.explain) return {pixels.begin(), pixels.end()};
     SampleCauses samples(a_, truth_);
     std::vector<std::uint32_t> open;
     std::size_t chunk = first_chunk;
     for (std::size_t first = 0; first < pixels.size();) {
       const auto some = pixels.subspan(first, std::min(chunk, pixels.size() - first));
       first += some.size();
-      const auto whys = a_.explain(some);
-      if (whys.size() != some.size()) throw Error("{} explanations were given for {} pixels", whys.size(), some.size());
+      const std::vector<std::optional<Explanation>> whys = a_.explanations(some);
       std::size_t items = 1;
       for (const auto& why : whys)
         if (why) items = std::max(items, why->samples.size() + why->taps.size());
@@ -74,38 +62,32 @@ class SoftCauses {
 
   void take(std::span<const std::uint32_t> pixels, std::span<const std::optional<Explanation>> whys,
             std::span<const Cause> by_samples) {
-    std::vector<TapCase> cases;
+    std::vector<ExplainedPixel> with_taps;
     for (std::size_t k = 0; k < pixels.size(); ++k) {
-      Cause& cause = causes_[pixels[k]];
       if (!whys[k]) continue;
-      if (!whys[k]->covered)
-        cause = Cause::beyond_coverage;
-      else if (whys[k]->formula_differs)
-        cause = Cause::formula;
-      else if (!whys[k]->cause.empty())
-        cause = own_cause_named(whys[k]->cause, a_.own_causes);
-      else if (whys[k]->taps.empty())
-        cause = by_samples[k];
-      else
-        cases.push_back({pixels[k], &*whys[k]});
+      const bool has_taps = !whys[k]->taps.empty();
+      Cause& cause = causes_[pixels[k]];
+      cause = a_.named_cause(*whys[k]);
+      if (cause == Cause::none && has_taps) with_taps.push_back({pixels[k], &*whys[k]});
+      if (cause == Cause::none && !has_taps) cause = by_samples[k];
     }
-    if (cases.empty()) return;
+    if (with_taps.empty()) return;
     // Maps are drawn from the light's center.
     Light center = a_.light;
     center.kind = PointLight{glm::vec3(homogeneous_of_center(a_.light))};
     Reference truth = a_.reference;
     truth.mask = truth_.share;
     const Attribution by_center{a_.scene, a_.casters, a_.gbuffer, center, truth, a_.mask, {}, nullptr};
-    const std::vector<Cause> found =
-        find_soft_tap_causes(by_center, LightRays(a_.scene, a_.casters, a_.gbuffer, center), cases);
-    for (std::size_t k = 0; k < cases.size(); ++k) {
-      causes_[cases[k].pixel] = found[k];
-      if (found[k] == Cause::none) filter_taps_[cases[k].pixel] = cases[k].why->taps.size();
+    const LightRays rays(a_.scene, a_.casters, a_.gbuffer, center);
+    const std::vector<Cause> found = find_tap_causes(by_center, rays, with_taps);
+    for (std::size_t k = 0; k < found.size(); ++k) {
+      causes_[with_taps[k].pixel] = found[k];
+      if (found[k] == Cause::none) filter_taps_[with_taps[k].pixel] = with_taps[k].why->taps.size();
     }
   }
 
   /// What the mask shows.
-  void ask_mask(std::span<const std::uint32_t> pixels) {
+  void examine_mask(std::span<const std::uint32_t> pixels) {
     for_blocks(pixels.size(), 16, [&](std::size_t begin, std::size_t end) {
       for (std::size_t k = begin; k < end; ++k) causes_[pixels[k]] = of_mask(pixels[k]);
     });
@@ -121,7 +103,7 @@ class SoftCauses {
     const double v = a_.mask[i], share = truth_.share[i], slack = most_errors * truth_.error[i];
     // In full light or umbra: would a light of four times the size see that much, or that little?
     if (share <= slack || share >= 1 - slack) {
-      const std::optional<double> larger = questions_.seen_of_larger(i);
+      const std::optional<double> larger = seen_of_larger(a_, i);
       if (larger && share <= slack && v > *larger + slack) return Cause::lost_umbra;
       if (larger && share >= 1 - slack && v < *larger - slack) return Cause::region;
     }
@@ -130,7 +112,7 @@ class SoftCauses {
     return is_of_few_taps(i) ? Cause::noise : Cause::unexplained;
   }
 
-  /// Whether a filter stands for the light, and so many taps as it has, on independent places, may err by as much.
+  /// Whether a filter represents the light, and so many taps as it has, on independent places, may err by as much.
   bool is_of_few_taps(std::uint32_t i) const {
     const auto taps = filter_taps_.find(i);
     if (taps == filter_taps_.end()) return false;
@@ -138,21 +120,20 @@ class SoftCauses {
     return std::abs(error(i)) <= 4 * std::sqrt(std::max(share * (1 - share), 1 / n) / n) + 1 / n;
   }
 
-  /// Whether the reference, asked again by other rays, agrees with the mask.
+  /// Whether the reference, traced again by other rays, agrees with the mask.
   bool is_right_after_all(std::uint32_t i) const {
-    const auto [again, again_error] = questions_.asked_again(i, truth_.error[i]);
+    const auto [again, again_error] = traced_again(a_, i, truth_.error[i]);
     return std::abs(a_.mask[i] - again) <= most_errors * again_error;
   }
 
   /// Whether the error is what comes of counting what is below the horizon, as hidden or as seen.
   bool is_horizon(std::uint32_t i) const {
-    const double above = questions_.above_horizon(i), share = truth_.share[i];
+    const double above = share_above_horizon(a_, i), share = truth_.share[i];
     return above < 1 && (is_predicted(i, -(1 - above) * share) || is_predicted(i, (1 - above) * (1 - share)));
   }
   bool is_fusion(std::uint32_t i) const {
-    const LightQuestions::Casters casters = questions_.casters(i);
-    return casters.count > 1 &&
-           (is_predicted(i, casters.product - casters.together) || is_predicted(i, casters.least - casters.together));
+    const CasterShares left = caster_shares(a_, i);
+    return left.count > 1 && (is_predicted(i, left.product - left.together) || is_predicted(i, left.least - left.together));
   }
   /// Whether an error of this size leaves less than half of the pixel's.
   bool is_predicted(std::uint32_t i, double predicted) const { return std::abs(error(i) - predicted) < std::abs(error(i)) / 2; }
@@ -170,18 +151,14 @@ class SoftCauses {
   const SoftTruth truth_;
   std::vector<Cause> causes_;
   std::unordered_map<std::uint32_t, std::size_t> filter_taps_;  ///< by pixel, where its footprint errs most
-  LightQuestions questions_;
   PenumbraShapes shapes_;
 };
 
 }  // namespace
 
-SoftTruth::SoftTruth(const Attribution& a) : share(a.reference.mask), error(a.reference.error) {
-  if (a.estimates == LightShareKind::irradiance) {
-    share = a.reference.irradiance;
-    error = a.reference.irradiance_error;
-  }
-}
+SoftTruth::SoftTruth(const Attribution& a)
+    : share(a.estimates == LightShareKind::irradiance ? a.reference.irradiance : a.reference.mask),
+      error(a.estimates == LightShareKind::irradiance ? a.reference.irradiance_error : a.reference.error) {}
 
 std::vector<Cause> find_soft_causes(const Attribution& attribution) { return SoftCauses(attribution).find(); }
 

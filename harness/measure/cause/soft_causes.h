@@ -1,10 +1,4 @@
 #pragma once
-#include <gnomon/kit/area/light_figure.h>
-
-#include <optional>
-#include <span>
-#include <vector>
-
 #include "measure/cause/causes.h"
 #include "measure/frame/pixel_windows.h"
 
@@ -19,7 +13,7 @@ struct SoftTruth {
 /// The cause of every pixel of T whose answer differs from the reference at all, under a light with area; `none` elsewhere.
 std::vector<Cause> find_soft_causes(const Attribution& attribution);
 
-/// Causes that samples of the light tell (false_sample, horizon, hard_shadow, banding, noise).
+/// Causes that samples of the light show (false_sample, horizon, hard_shadow, banding, noise).
 class SampleCauses {
  public:
   SampleCauses(const Attribution& attribution, const SoftTruth& truth) : a_(attribution), truth_(truth) {}
@@ -32,32 +26,23 @@ class SampleCauses {
 
   const Attribution& a_;
   const SoftTruth& truth_;
-  bool is_shared_ = false;  ///< whether the last two neighbors that were compared asked the same places
+  bool is_shared_ = false;  ///< whether the last two neighbors that were compared sampled the same places
 };
 
-/// Questions about a light with area that go to the ray tracer or to geometry, pixel by pixel.
-class LightQuestions {
- public:
-  explicit LightQuestions(const Attribution& attribution) : a_(attribution) {}
+// What geometry and rays say about pixel i under a light with area.
 
-  /// The share of the light's whole figure that is above the pixel's horizon.
-  double above_horizon(std::size_t i) const;
-  /// What the casters leave of the light together, and what is made of that by treating each alone.
-  struct Casters {
-    std::size_t count = 0;  ///< meshes that hide some of the light
-    double together = 1, product = 1, least = 1;
-  };
-  Casters casters(std::size_t i) const;
-  /// The share that is seen of a light of four times the size around the same center; nothing where the point lies inside of
-  /// it.
-  std::optional<double> seen_of_larger(std::size_t i) const;
-  /// The share that the mask is compared with and its error, by other rays, as many as half of the error wants.
-  std::pair<double, double> asked_again(std::size_t i, double error) const;
-
- private:
-  std::vector<std::uint32_t> between(std::size_t i, const glm::dvec3& way) const;
-  const Attribution& a_;
+/// The share of the light's whole figure that is above the pixel's horizon.
+double share_above_horizon(const Attribution& attribution, std::size_t i);
+/// What the casters leave of the light together, and what is made of that by treating each alone.
+struct CasterShares {
+  std::size_t count = 0;  ///< meshes that hide some of the light
+  double together = 1, product = 1, least = 1;
 };
+CasterShares caster_shares(const Attribution& attribution, std::size_t i);
+/// The share that is seen of a light of four times the size around the same center; nothing where the point lies inside of it.
+std::optional<double> seen_of_larger(const Attribution& attribution, std::size_t i);
+/// The share that the mask is compared with and its error, by other rays, as many as half of `error` requires.
+std::pair<double, double> traced_again(const Attribution& attribution, std::size_t i, double error);
 
 /// Causes that the mask shows beside the reference: no account of the technique is needed.
 class PenumbraShapes {
@@ -78,7 +63,6 @@ class PenumbraShapes {
   bool is_in_levels(std::size_t i) const;
   bool is_plateau(std::size_t i) const;
   double width(std::size_t i) const;
-  std::vector<std::uint8_t> find_missing() const;
   void find_roughness();
 
   const Attribution& a_;

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <cmath>
 #include <numbers>
 
 #include "measure/cause/soft_causes.h"
@@ -11,6 +10,8 @@
 namespace gnomon {
 
 namespace {
+
+constexpr std::uint32_t rounds = 16;  ///< of sixteen rays
 
 double area_of(std::span<const glm::dvec2> polygon) {
   double twice = 0;
@@ -21,7 +22,7 @@ double area_of(std::span<const glm::dvec2> polygon) {
   return std::abs(twice) / 2;
 }
 
-LightFigure face_at(const Attribution& a, const Light& light, std::size_t i) {
+LightFigure figure_at(const Attribution& a, const Light& light, std::size_t i) {
   return {light, a.gbuffer.position(i), a.gbuffer.normal(i)};
 }
 
@@ -29,101 +30,94 @@ Light four_times(Light light) {
   if (auto* rect = std::get_if<RectLight>(&light.kind)) {
     rect->half_u *= 4.0f;
     rect->half_v *= 4.0f;
-  } else if (auto* disc = std::get_if<DiscLight>(&light.kind)) {
-    disc->radius *= 4;
-  } else {
-    std::get<SphereLight>(light.kind).radius *= 4;
   }
+  if (auto* disc = std::get_if<DiscLight>(&light.kind)) disc->radius *= 4;
+  if (auto* sphere = std::get_if<SphereLight>(&light.kind)) sphere->radius *= 4;
   return light;
 }
 
-}  // namespace
-
-double LightQuestions::above_horizon(std::size_t i) const {
-  const LightFigure face = face_at(a_, a_.light, i);
-  std::vector<glm::dvec2> figure;
-  if (face.is_disc()) {
-    constexpr int corners = 128;
-    for (int k = 0; k < corners; ++k) {
-      const double angle = 2 * std::numbers::pi * k / corners;
-      figure.emplace_back(std::cos(angle), std::sin(angle));
-    }
-  } else {
-    figure = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}};
-  }
-  const double whole = area_of(figure);
-  clip_places(figure, face.horizon());
-  return area_of(figure) / whole;
-}
-
-std::vector<std::uint32_t> LightQuestions::between(std::size_t i, const glm::dvec3& way) const {
+/// The meshes on the way from the point of pixel i.
+std::vector<std::uint32_t> meshes_between(const Attribution& a, std::size_t i, const glm::dvec3& way) {
   constexpr int most_surfaces = 256;
-  const glm::vec3 point = a_.gbuffer.position(i);
-  const glm::dvec3 origin = point + static_cast<float>(ray_offset(point)) * a_.gbuffer.normal(i);
+  const glm::vec3 point = a.gbuffer.position(i);
+  const glm::dvec3 origin = point + static_cast<float>(ray_offset(point)) * a.gbuffer.normal(i);
   const double step = 1e-6 + 4 * ray_offset(point) / glm::length(way);
   std::vector<std::uint32_t> meshes;
   double t = 0;
   for (int k = 0; k < most_surfaces; ++k) {
-    const RayScene::Hit hit = a_.casters.closest(origin + t * way, way);
+    const RayScene::Hit hit = a.casters.closest(origin + t * way, way);
     if (hit.mesh == no_mesh || t + hit.t >= 1 - step) break;
-    const bool is_own = hit.mesh == a_.gbuffer.mesh[i] && hit.triangle == a_.gbuffer.triangle[i] && t == 0;
+    const bool is_own = hit.mesh == a.gbuffer.mesh[i] && hit.triangle == a.gbuffer.triangle[i] && t == 0;
     if (!is_own && std::ranges::find(meshes, hit.mesh) == meshes.end()) meshes.push_back(hit.mesh);
     t += hit.t + step;
   }
   return meshes;
 }
 
-LightQuestions::Casters LightQuestions::casters(std::size_t i) const {
-  constexpr std::uint32_t rounds = 16;
-  const LightFigure face = face_at(a_, a_.light, i);
-  const LightFigure::Box& box = face.box();
+}  // namespace
+
+double share_above_horizon(const Attribution& a, std::size_t i) {
+  const LightFigure figure = figure_at(a, a.light, i);
+  std::vector<glm::dvec2> outline;
+  if (!figure.is_disc()) outline = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}};
+  constexpr int corners = 128;
+  for (int k = 0; figure.is_disc() && k < corners; ++k) {
+    const double angle = 2 * std::numbers::pi * k / corners;
+    outline.emplace_back(std::cos(angle), std::sin(angle));
+  }
+  const double whole = area_of(outline);
+  clip_places(outline, figure.horizon());
+  return area_of(outline) / whole;
+}
+
+CasterShares caster_shares(const Attribution& a, std::size_t i) {
+  const LightFigure figure = figure_at(a, a.light, i);
+  const LightFigure::Box& box = figure.box();
   const Scramble scramble(~std::uint64_t{i});
   std::map<std::uint32_t, std::size_t> hidden;
-  std::size_t asked = 0, hidden_together = 0;
+  std::size_t traced = 0, hidden_together = 0;
   for (std::uint32_t round = 0; round < rounds; ++round) {
     const Squares squares = scramble.of_first(round);
     for (std::size_t k = 0; k < squares.x.size(); ++k) {
       const glm::dvec2 place = box.low + glm::dvec2(squares.x[k], squares.y[k]) * (box.high - box.low);
-      if (!face.holds(place)) continue;
-      ++asked;
-      const std::vector<std::uint32_t> meshes = between(i, face.at(place));
+      if (!figure.holds(place)) continue;
+      ++traced;
+      const std::vector<std::uint32_t> meshes = meshes_between(a, i, figure.at(place));
       hidden_together += !meshes.empty();
       for (const std::uint32_t mesh : meshes) ++hidden[mesh];
     }
   }
-  Casters casters;
-  casters.count = hidden.size();
-  const auto left_by = [&](std::size_t count) { return 1 - static_cast<double>(count) / static_cast<double>(asked); };
-  if (asked == 0) return casters;
-  casters.together = left_by(hidden_together);
+  CasterShares shares{.count = hidden.size()};
+  const auto left_by = [&](std::size_t count) { return 1 - static_cast<double>(count) / static_cast<double>(traced); };
+  if (traced == 0) return shares;
+  shares.together = left_by(hidden_together);
   for (const auto& [mesh, count] : hidden) {
-    casters.product *= left_by(count);
-    casters.least = std::min(casters.least, left_by(count));
+    shares.product *= left_by(count);
+    shares.least = std::min(shares.least, left_by(count));
   }
-  return casters;
+  return shares;
 }
 
-std::optional<double> LightQuestions::seen_of_larger(std::size_t i) const {
-  const LightFigure face = face_at(a_, four_times(a_.light), i);
-  if (!face.is_seen()) return std::nullopt;
-  const FaceRays rays(a_.casters, a_.gbuffer, i, face);
+std::optional<double> seen_of_larger(const Attribution& a, std::size_t i) {
+  const LightFigure figure = figure_at(a, four_times(a.light), i);
+  if (!figure.is_seen()) return std::nullopt;
+  const FaceRays rays(a.casters, a.gbuffer, i, figure);
   const Scramble scramble(i);
-  int asked = 0, blocked = 0;
-  for (std::uint32_t round = 0; round < 16; ++round) {
+  int traced = 0, blocked = 0;
+  for (std::uint32_t round = 0; round < rounds; ++round) {
     const FaceHits hits = rays.ask(scramble.of_first(round));
-    asked += std::popcount(hits.asked);
+    traced += std::popcount(hits.asked);
     blocked += std::popcount(hits.blocked);
   }
-  if (asked == 0) return std::nullopt;
-  return 1 - static_cast<double>(blocked) / asked;
+  return traced > 0 ? std::optional(1 - static_cast<double>(blocked) / traced) : std::nullopt;
 }
 
-std::pair<double, double> LightQuestions::asked_again(std::size_t i, double error) const {
-  const FaceRays rays(a_.casters, a_.gbuffer, i, face_at(a_, a_.light, i));
+std::pair<double, double> traced_again(const Attribution& a, std::size_t i, double error) {
+  const FaceRays rays(a.casters, a.gbuffer, i, figure_at(a, a.light, i));
   // References are made with the pixel's index for seed: this is another one for every pixel of every picture.
   const std::uint64_t seed = (std::uint64_t{1} << 40) + i;
   const SampledShares shares = sample_shares(rays, seed, {.error = std::max(error / 2, 1e-5), .cap = 1 << 15});
-  if (a_.estimates == LightShareKind::irradiance) return {shares.irradiance, shares.irradiance_error};
+  if (a.estimates == LightShareKind::irradiance) return {shares.irradiance, shares.irradiance_error};
   return {shares.area, shares.area_error};
 }
 

@@ -1,10 +1,6 @@
 // What a soft mask shows beside the reference: shadows that are not there, grain, and the form of penumbrae.
 #include <gnomon/kit/parallel.h>
 
-#include <algorithm>
-#include <array>
-#include <cmath>
-
 #include "measure/cause/components.h"
 #include "measure/cause/soft_causes.h"
 #include "measure/frame/boundary.h"
@@ -30,26 +26,12 @@ PenumbraShapes::PenumbraShapes(const Attribution& a, const SoftTruth& truth)
   nearest_ = nearest_marked(theirs, width, height);
   to_penumbra_ = distance_transform(theirs, width, height);
   to_own_penumbra_ = distance_transform(ours, width, height);
-  missing_ = find_missing();
+  std::vector<std::uint32_t> shadowed(a.mask.size(), no_mesh);
+  for (std::size_t i = 0; i < shadowed.size(); ++i)
+    if (a.reference.classes[i] > PixelClass::F && truth.share[i] < 0.98f) shadowed[i] = a.gbuffer.mesh[i];
+  missing_ = missing_shadows(
+      shadowed, width, height, [&](std::size_t i) { return 1 - truth.share[i]; }, [&](std::size_t i) { return 1 - a.mask[i]; });
   find_roughness();
-}
-
-std::vector<std::uint8_t> PenumbraShapes::find_missing() const {
-  std::vector<std::uint32_t> keys(a_.mask.size(), no_mesh);
-  for (std::size_t i = 0; i < keys.size(); ++i)
-    if (a_.reference.classes[i] > PixelClass::F && truth_.share[i] < 0.98f) keys[i] = a_.gbuffer.mesh[i];
-  const Components shadows = connect(keys, no_mesh, a_.gbuffer.width, a_.gbuffer.height);
-  std::vector<double> dark(shadows.size.size()), dark_in_mask(shadows.size.size());
-  for (std::size_t i = 0; i < keys.size(); ++i) {
-    if (shadows.of[i] == no_component) continue;
-    dark[shadows.of[i]] += 1 - truth_.share[i];
-    dark_in_mask[shadows.of[i]] += 1 - a_.mask[i];
-  }
-  std::vector<std::uint8_t> missing(keys.size(), 0);
-  for (std::size_t i = 0; i < keys.size(); ++i)
-    if (const std::uint32_t shadow = shadows.of[i]; shadow != no_component)
-      missing[i] = shadows.size[shadow] >= caster_size && 10 * dark_in_mask[shadow] < dark[shadow];
-  return missing;
 }
 
 double PenumbraShapes::width(std::size_t i) const {

@@ -1,13 +1,12 @@
 // What a map's texels hold at a wrong pixel, and what is wrong with that.
 #include <algorithm>
-#include <cmath>
 #include <numbers>
 
 #include "measure/cause/tap_block.h"
 
 namespace gnomon {
 
-/// How far a tap's stored surface stands behind the point, along the tap's ray; or behind the receiver's plane there.
+/// How far a tap's stored surface is behind the point, along the tap's ray; or behind the receiver's plane there.
 double StoredTaps::behind(std::size_t j, bool is_from_plane) const {
   const Tap& tap = q_.why->taps[j];
   return tap.stored - glm::dot((is_from_plane ? place(j) : q_.point) - tap.origin, tap.direction);
@@ -24,7 +23,7 @@ bool StoredTaps::compares_with_plane() const {
   return error(true) < error(false);
 }
 
-/// The taps that made the pixel dark (or lit): those whose stored surface stands farthest before (or least before) what it is
+/// The taps that made the pixel dark (or lit): those whose stored surface is farthest before (or least before) what it is
 /// compared with, by weight until the mask's value is reached. Taps that the reference agrees with are no part of the error.
 std::vector<std::size_t> StoredTaps::guilty(bool is_from_plane) const {
   std::vector<std::pair<double, std::size_t>> by_margin;
@@ -113,7 +112,7 @@ bool StoredTaps::is_covered_nearby(std::size_t j) const {
   return rays_.farthest_along(place(j), to_light) <= q_.why->bias + q_.reach + fall;
 }
 
-/// A perfect map would be dark here: the occluders were skipped, or the technique did not believe them.
+/// A perfect map would be dark here: the casters were skipped, or the technique did not believe them.
 Cause StoredTaps::of_false_lit() const {
   const double reach = q_.why->bias + q_.reach;
   const double near = rays_.nearest(q_.pixel).distance, far = rays_.farthest(q_.pixel);
@@ -121,10 +120,10 @@ Cause StoredTaps::of_false_lit() const {
   if (far <= reach) return Cause::peter_panning;
   if (near <= reach) return Cause::leak_layered;
   // The same seen through the taps.
-  const auto is_layered_at = [&](std::size_t j) { return is_covered_nearby(j); };
-  const bool is_layered = std::ranges::any_of(guilty(false), is_layered_at) ||
-                          (compares_with_plane() && std::ranges::any_of(guilty(true), is_layered_at));
-  return is_layered ? Cause::leak_layered : Cause::leak_representation;
+  const auto is_layered = [&](std::size_t j) { return is_covered_nearby(j); };
+  if (std::ranges::any_of(guilty(false), is_layered)) return Cause::leak_layered;
+  if (compares_with_plane() && std::ranges::any_of(guilty(true), is_layered)) return Cause::leak_layered;
+  return Cause::leak_representation;
 }
 
 Cause StoredTaps::of_taps_alone() const {

@@ -1,8 +1,4 @@
 #pragma once
-#include <array>
-#include <span>
-#include <vector>
-
 #include "measure/cause/causes.h"
 #include "measure/frame/light_rays.h"
 
@@ -12,7 +8,7 @@ namespace gnomon {
 struct TapQuestion {
   std::uint32_t pixel, mesh;  ///< mesh: the receiver
   const Explanation* why;
-  bool is_missing;  ///< see TapCase
+  bool is_missing;  ///< see ExplainedPixel
   bool is_dark;     ///< false dark; else false lit
   double visibility, reference;
   glm::dvec3 point, normal, to_light;  ///< to_light is unit
@@ -50,8 +46,8 @@ class StoredTaps {
   Cause of_taps_alone() const;
 
  private:
-  /// What a tap's depth stands for: the surface that it was drawn from, or where it lies on none, as midpoints of two do, the
-  /// first surface on the tap's ray, if that lies before it.
+  /// The surface that a tap's depth was drawn from. A depth that lies on none, as the midpoint of two does, has the first
+  /// surface on the tap's ray, if that lies before it.
   struct Stored {
     std::uint32_t mesh = no_mesh;
     glm::dvec3 at{0};

@@ -1,12 +1,9 @@
 // Looks for one change of the whole reference that makes it the mask.
 #include "measure/cause/whole_mask.h"
 
-#include <fmt/format.h>
 #include <gnomon/kit/parallel.h>
 
 #include <algorithm>
-#include <cmath>
-#include <tuple>
 
 #include "measure/cause/soft_causes.h"
 
@@ -14,13 +11,11 @@ namespace gnomon {
 
 namespace {
 
-constexpr float unknown = NAN;
-
 /// Rows of the picture. Changes are fitted on some and made of all.
 struct Rows {
   int begin, end;
 };
-/// What a change makes of the reference in these rows, every pixel of them; NaN where nothing tells.
+/// What a change makes of the reference in these rows, every pixel of them; NaN where that is undefined.
 using Made = std::vector<float>;
 
 /// What the mask is compared with.
@@ -30,23 +25,14 @@ std::span<const float> truth_of(const Attribution& a) {
 
 class Finder {
  public:
-  explicit Finder(const Attribution& a)
-      : a_(a),
-        width_(a.gbuffer.width),
-        height_(a.gbuffer.height),
-        truth_(truth_of(a)),
-        picture_(whole_picture()),
-        one_value_(median_of_mask()),
-        error_before_(errors_before_rows()),
-        fitted_(rows_with_most_error()) {}
+  explicit Finder(const Attribution& a) : a_(a) {}
 
   std::optional<WholeMask> find() {
     if (error_before_.back() == 0) return std::nullopt;
     std::vector<WholeMask> candidates{best_shift(), best_blur()};
     if (a_.reference.kind != AnswerKind::binary) candidates.push_back(best_gamma());  // 0 and 1 stay what they are
-    for (const auto change :
-         {WholeMask::Change::upside_down, WholeMask::Change::mirrored, WholeMask::Change::turned, WholeMask::Change::inverted})
-      candidates.push_back({.change = change, .changed = {}});
+    for (const Change change : {Change::upside_down, Change::mirrored, Change::turned, Change::inverted})
+      candidates.push_back({.change = change});
     WholeMask* best = nullptr;
     for (WholeMask& candidate : candidates) {
       candidate.explained = explained(candidate, fitted_);
@@ -59,34 +45,33 @@ class Finder {
   }
 
  private:
+  using Change = WholeMask::Change;
+
   bool is_tested(std::size_t i) const { return a_.reference.classes[i] == PixelClass::T; }
   std::size_t at(int x, int y) const { return static_cast<std::size_t>(y) * width_ + x; }
   double error(std::size_t i) const { return std::abs(static_cast<double>(a_.mask[i]) - truth_[i]); }
 
-  /// The reference, and where nothing is asked what the mask has there, whatever its maker writes: the median over background
-  /// and that over surfaces turned from the light.
-  std::vector<float> whole_picture() const {
-    std::vector<float> picture(truth_.begin(), truth_.end());
-    for (const PixelClass nothing : {PixelClass::B, PixelClass::F}) {
-      std::vector<float> values;
-      for (std::size_t i = 0; i < picture.size(); ++i)
-        if (a_.reference.classes[i] == nothing) values.push_back(a_.mask[i]);
-      if (values.empty()) continue;
-      std::ranges::nth_element(values, values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2));
-      for (std::size_t i = 0; i < picture.size(); ++i)
-        if (a_.reference.classes[i] == nothing) picture[i] = values[values.size() / 2];
-    }
-    return picture;
-  }
-
-  /// What lies nearest to all tested pixels of the mask.
-  double median_of_mask() const {
+  /// The median of the mask over the pixels of a class; 0 where there are none.
+  float median_of_mask(PixelClass of) const {
     std::vector<float> values;
     for (std::size_t i = 0; i < a_.mask.size(); ++i)
-      if (is_tested(i)) values.push_back(a_.mask[i]);
+      if (a_.reference.classes[i] == of) values.push_back(a_.mask[i]);
     if (values.empty()) return 0;
-    std::ranges::nth_element(values, values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2));
-    return values[values.size() / 2];
+    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+    std::ranges::nth_element(values, middle);
+    return *middle;
+  }
+
+  /// The reference. Over background and over surfaces turned from the light, where it has no answer, the median of the mask
+  /// there, whatever its maker writes.
+  std::vector<float> whole_picture() const {
+    std::vector<float> picture(truth_.begin(), truth_.end());
+    for (const PixelClass of : {PixelClass::B, PixelClass::F}) {
+      const float value = median_of_mask(of);
+      for (std::size_t i = 0; i < picture.size(); ++i)
+        if (a_.reference.classes[i] == of) picture[i] = value;
+    }
+    return picture;
   }
 
   /// The sum of errors above each row, and of all.
@@ -125,13 +110,12 @@ class Finder {
     });
     glm::dvec3 sum(0);
     for (const glm::dvec3& row : sums) sum += row;
-    const auto [before, after, from_one_value] = std::tuple(sum.x, sum.y, sum.z);
+    const double before = sum.x, after = sum.y, from_one_value = sum.z;
     const bool is_known = before > 0 && 2 * before >= error_before_[rows.end] - error_before_[rows.begin];
     return is_known && after <= (1 - least_explained) * from_one_value ? 1 - after / before : -INFINITY;
   }
 
   Made make(const WholeMask& change, Rows rows) const {
-    using Change = WholeMask::Change;
     const auto each = [&](const auto& value) {
       Made made(at(0, rows.end) - at(0, rows.begin));
       for_blocks(rows.end - rows.begin, 16, [&](std::size_t begin, std::size_t end) {
@@ -159,7 +143,7 @@ class Finder {
     return {};
   }
 
-  float answer(int x, int y) const { return x < 0 || y < 0 || x >= width_ || y >= height_ ? unknown : picture_[at(x, y)]; }
+  float answer(int x, int y) const { return x < 0 || y < 0 || x >= width_ || y >= height_ ? NAN : picture_[at(x, y)]; }
   /// Bilinear, of the neighbors that have weight.
   float between(double x, double y) const {
     const int left = static_cast<int>(std::floor(x)), top = static_cast<int>(std::floor(y));
@@ -212,9 +196,9 @@ class Finder {
 
   /// The best whole number of pixels; and between pixels, where either mask has more than two values.
   WholeMask best_shift() const {
-    WholeMask best{.change = WholeMask::Change::shift, .explained = -INFINITY, .changed = {}};
+    WholeMask best{.change = Change::shift, .explained = -INFINITY};
     const auto try_at = [&](const glm::dvec2& shift) {
-      WholeMask there{.change = WholeMask::Change::shift, .shift = shift, .changed = {}};
+      WholeMask there{.change = Change::shift, .shift = shift};
       if (shift == glm::dvec2(0) || std::max(std::abs(shift.x), std::abs(shift.y)) > most_shift) return false;
       there.explained = explained(there, fitted_);
       if (there.explained <= best.explained) return false;
@@ -235,12 +219,8 @@ class Finder {
     return best;
   }
 
-  WholeMask best_gamma() const {
-    return best_along({.change = WholeMask::Change::gamma, .changed = {}}, &WholeMask::gamma, 0.2, 5);
-  }
-  WholeMask best_blur() const {
-    return best_along({.change = WholeMask::Change::blur, .changed = {}}, &WholeMask::sigma, 0.25, most_sigma);
-  }
+  WholeMask best_gamma() const { return best_along({.change = Change::gamma}, &WholeMask::gamma, 0.2, 5); }
+  WholeMask best_blur() const { return best_along({.change = Change::blur}, &WholeMask::sigma, 0.25, most_sigma); }
   /// Of numbers from `least` to `most` the one that explains the most: a few in equal ratios, then between the best one's
   /// neighbors by thirds.
   WholeMask best_along(WholeMask change, double WholeMask::*number, double least, double most) const {
@@ -269,13 +249,30 @@ class Finder {
   }
 
   const Attribution& a_;
-  const int width_, height_;
-  const std::span<const float> truth_;
-  const std::vector<float> picture_;
-  const double one_value_;
-  const std::vector<double> error_before_;
-  const Rows fitted_;
+  const int width_ = a_.gbuffer.width, height_ = a_.gbuffer.height;
+  const std::span<const float> truth_ = truth_of(a_);
+  const std::vector<float> picture_ = whole_picture();
+  const double one_value_ = median_of_mask(PixelClass::T);  ///< nearest to all tested pixels of the mask
+  const std::vector<double> error_before_ = errors_before_rows();
+  const Rows fitted_ = rows_with_most_error();
 };
+
+/// One change is one row, in the order of WholeMask::Change.
+struct ChangeRow {
+  std::string_view name;
+  Cause cause = Cause::none;
+  std::string_view words = {};  ///< where they depend on no number
+};
+constexpr ChangeRow change_rows[] = {
+    {"shift", Cause::mask_shift},
+    {"gamma", Cause::mask_gamma},
+    {"blur", Cause::mask_blur},
+    {"upside_down", Cause::none, "upside down"},
+    {"mirrored", Cause::none, "mirrored, left to right"},
+    {"turned", Cause::none, "turned by 180 degrees"},
+    {"inverted", Cause::none, "inverted (1 must be lit, 0 in shadow)"},
+};
+const ChangeRow& row_of(WholeMask::Change change) { return change_rows[static_cast<std::size_t>(change)]; }
 
 }  // namespace
 
@@ -284,47 +281,19 @@ bool WholeMask::explains(const Attribution& a, std::size_t i) const {
   return cause() != Cause::none && off(changed[i]) < off(truth_of(a)[i]) / 2;  // never of a NaN
 }
 
-std::string_view name(WholeMask::Change change) {
-  static constexpr std::string_view names[] = {"shift", "gamma", "blur", "upside_down", "mirrored", "turned", "inverted"};
-  return names[static_cast<std::size_t>(change)];
-}
+std::string_view name(WholeMask::Change change) { return row_of(change).name; }
 
-Cause WholeMask::cause() const {
-  switch (change) {
-    case Change::shift:
-      return Cause::mask_shift;
-    case Change::gamma:
-      return Cause::mask_gamma;
-    case Change::blur:
-      return Cause::mask_blur;
-    default:
-      return Cause::none;
-  }
-}
+Cause WholeMask::cause() const { return row_of(change).cause; }
 
 std::string WholeMask::words() const {
-  switch (change) {
-    case Change::shift: {
-      const auto part = [](double by, const char* back, const char* forth) {
-        return by == 0 ? "" : fmt::format("{:.4g} px {}", std::abs(by), by < 0 ? back : forth);
-      };
-      const std::string across = part(shift.x, "left", "right"), along = part(shift.y, "up", "down");
-      return fmt::format("shifted by {}{}{}", across, across.empty() || along.empty() ? "" : " and ", along);
-    }
-    case Change::gamma:
-      return fmt::format("raised to the power {:.2f}, as by a gamma curve", gamma);
-    case Change::blur:
-      return fmt::format("blurred, by a filter of {:.2g} px standard deviation", sigma);
-    case Change::upside_down:
-      return "upside down";
-    case Change::mirrored:
-      return "mirrored, left to right";
-    case Change::turned:
-      return "turned by 180 degrees";
-    case Change::inverted:
-      return "inverted (1 must be lit, 0 in shadow)";
-  }
-  return {};
+  if (change == Change::gamma) return fmt::format("raised to the power {:.2f}, as by a gamma curve", gamma);
+  if (change == Change::blur) return fmt::format("blurred, by a filter of {:.2g} px standard deviation", sigma);
+  if (change != Change::shift) return std::string(row_of(change).words);
+  const auto part = [](double by, const char* back, const char* forth) {
+    return by == 0 ? "" : fmt::format("{:.4g} px {}", std::abs(by), by < 0 ? back : forth);
+  };
+  const std::string across = part(shift.x, "left", "right"), along = part(shift.y, "up", "down");
+  return fmt::format("shifted by {}{}{}", across, across.empty() || along.empty() ? "" : " and ", along);
 }
 
 std::optional<WholeMask> find_whole_mask(const Attribution& attribution) { return Finder(attribution).find(); }

@@ -3,7 +3,7 @@
 #include <tbb/global_control.h>
 
 #include <fstream>
-#include <sstream>
+#include <iterator>
 
 #include "measure/conformance/world.h"
 #include "measure/scratch_folder.h"
@@ -17,11 +17,10 @@ Json place_json(const Place& place) {
   return json_object({{"scene", place.scene}, {"light", place.light}, {"settings", place.settings}});
 }
 
-/// A place that a process left there when it ended; nowhere when it had not come that far.
+/// The place that a process wrote there before it ended; empty when it wrote none.
 Place place_in(const std::filesystem::path& file) {
-  std::ostringstream text;
-  text << std::ifstream(file).rdbuf();
-  const Json json = parse_if_json(text.str());
+  std::ifstream stream(file);
+  const Json json = parse_if_json(std::string(std::istreambuf_iterator<char>(stream), {}));
   if (!json.is_object()) return {};
   return {json.value("scene", ""), json.value("light", ""), json.value("settings", "")};
 }
@@ -63,7 +62,7 @@ Verdict judge_in_child(const Rule& rule, const TechniqueEntry& entry, WorkerOpti
   const ScratchFolder folder = ScratchFolder::in_memory("gnomon-check");
   const std::filesystem::path place = folder.path() / "place";
   options.command = "check-rule";
-  options.keeps_shaders = true;  // no time is told
+  options.keeps_shaders = true;  // times do not matter here
   WorkerProcess child(options);
   try {
     child.send(json_object({{"do", rule.name}, {"technique", entry.id}, {"place", place.string()}}));

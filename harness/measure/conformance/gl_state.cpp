@@ -6,48 +6,44 @@ namespace gnomon {
 
 namespace {
 
-// The two tables below are the whole definition of the house state.
+// The tables below, with the checks of state_differences, define the house state.
 
-constexpr struct {
-  GLenum capability;
-  const char* name;
-  bool on;
-} switches[] = {{GL_BLEND, "blend", false},
-                {GL_COLOR_LOGIC_OP, "color logic op", false},
-                {GL_CULL_FACE, "cull face", false},
-                {GL_DEPTH_CLAMP, "depth clamp", false},
-                {GL_DEPTH_TEST, "depth test", false},
-                {GL_DITHER, "dither", true},
-                {GL_FRAMEBUFFER_SRGB, "framebuffer sRGB", false},
-                {GL_MULTISAMPLE, "multisample", true},
-                {GL_POLYGON_OFFSET_FILL, "polygon offset fill", false},
-                {GL_PRIMITIVE_RESTART, "primitive restart", false},
-                {GL_PROGRAM_POINT_SIZE, "program point size", false},
-                {GL_RASTERIZER_DISCARD, "rasterizer discard", false},
-                {GL_SAMPLE_ALPHA_TO_COVERAGE, "sample alpha to coverage", false},
-                {GL_SAMPLE_MASK, "sample mask", false},
-                {GL_SCISSOR_TEST, "scissor test", false},
-                {GL_STENCIL_TEST, "stencil test", false}};
-
-/// A number of the state and what it is in the house state.
+/// A number of the state and its value in the house state.
 struct Setting {
   GLenum query;
   const char* name;
   GLint wanted = 0;
 };
 
-constexpr Setting integers[] = {{GL_CURRENT_PROGRAM, "current program", 0},
-                                {GL_VERTEX_ARRAY_BINDING, "vertex array", 0},
-                                {GL_DRAW_FRAMEBUFFER_BINDING, "draw framebuffer", 0},
-                                {GL_READ_FRAMEBUFFER_BINDING, "read framebuffer", 0},
-                                {GL_RENDERBUFFER_BINDING, "renderbuffer", 0},
-                                {GL_ARRAY_BUFFER_BINDING, "array buffer", 0},
-                                {GL_UNIFORM_BUFFER_BINDING, "uniform buffer", 0},
-                                {GL_SHADER_STORAGE_BUFFER_BINDING, "shader storage buffer", 0},
-                                {GL_ATOMIC_COUNTER_BUFFER_BINDING, "atomic counter buffer", 0},
-                                {GL_DRAW_INDIRECT_BUFFER_BINDING, "draw indirect buffer", 0},
-                                {GL_PIXEL_PACK_BUFFER_BINDING, "pixel pack buffer", 0},
-                                {GL_PIXEL_UNPACK_BUFFER_BINDING, "pixel unpack buffer", 0},
+constexpr Setting switches[] = {{GL_BLEND, "blend"},
+                                {GL_COLOR_LOGIC_OP, "color logic op"},
+                                {GL_CULL_FACE, "cull face"},
+                                {GL_DEPTH_CLAMP, "depth clamp"},
+                                {GL_DEPTH_TEST, "depth test"},
+                                {GL_DITHER, "dither", true},
+                                {GL_FRAMEBUFFER_SRGB, "framebuffer sRGB"},
+                                {GL_MULTISAMPLE, "multisample", true},
+                                {GL_POLYGON_OFFSET_FILL, "polygon offset fill"},
+                                {GL_PRIMITIVE_RESTART, "primitive restart"},
+                                {GL_PROGRAM_POINT_SIZE, "program point size"},
+                                {GL_RASTERIZER_DISCARD, "rasterizer discard"},
+                                {GL_SAMPLE_ALPHA_TO_COVERAGE, "sample alpha to coverage"},
+                                {GL_SAMPLE_MASK, "sample mask"},
+                                {GL_SCISSOR_TEST, "scissor test"},
+                                {GL_STENCIL_TEST, "stencil test"}};
+
+constexpr Setting integers[] = {{GL_CURRENT_PROGRAM, "current program"},
+                                {GL_VERTEX_ARRAY_BINDING, "vertex array"},
+                                {GL_DRAW_FRAMEBUFFER_BINDING, "draw framebuffer"},
+                                {GL_READ_FRAMEBUFFER_BINDING, "read framebuffer"},
+                                {GL_RENDERBUFFER_BINDING, "renderbuffer"},
+                                {GL_ARRAY_BUFFER_BINDING, "array buffer"},
+                                {GL_UNIFORM_BUFFER_BINDING, "uniform buffer"},
+                                {GL_SHADER_STORAGE_BUFFER_BINDING, "shader storage buffer"},
+                                {GL_ATOMIC_COUNTER_BUFFER_BINDING, "atomic counter buffer"},
+                                {GL_DRAW_INDIRECT_BUFFER_BINDING, "draw indirect buffer"},
+                                {GL_PIXEL_PACK_BUFFER_BINDING, "pixel pack buffer"},
+                                {GL_PIXEL_UNPACK_BUFFER_BINDING, "pixel unpack buffer"},
                                 {GL_ACTIVE_TEXTURE, "active texture", GL_TEXTURE0},
                                 {GL_PACK_ALIGNMENT, "pack alignment", 4},
                                 {GL_UNPACK_ALIGNMENT, "unpack alignment", 4},
@@ -55,8 +51,8 @@ constexpr Setting integers[] = {{GL_CURRENT_PROGRAM, "current program", 0},
                                 {GL_DEPTH_WRITEMASK, "depth mask", GL_TRUE},
                                 {GL_STENCIL_FUNC, "stencil function, front", GL_ALWAYS},
                                 {GL_STENCIL_BACK_FUNC, "stencil function, back", GL_ALWAYS},
-                                {GL_STENCIL_REF, "stencil reference, front", 0},
-                                {GL_STENCIL_BACK_REF, "stencil reference, back", 0},
+                                {GL_STENCIL_REF, "stencil reference, front"},
+                                {GL_STENCIL_BACK_REF, "stencil reference, back"},
                                 {GL_STENCIL_FAIL, "stencil fail, front", GL_KEEP},
                                 {GL_STENCIL_BACK_FAIL, "stencil fail, back", GL_KEEP},
                                 {GL_STENCIL_PASS_DEPTH_FAIL, "stencil depth fail, front", GL_KEEP},
@@ -106,7 +102,7 @@ std::vector<std::string> state_differences() {
     if (value != wanted) differences.push_back(fmt::format("{} is {:#x}, not {:#x}", name, value, wanted));
   };
   for (const auto& s : switches)
-    if (bool(glIsEnabled(s.capability)) != s.on) differences.push_back(fmt::format("{} is {}", s.name, s.on ? "off" : "on"));
+    if (bool(glIsEnabled(s.query)) != s.wanted) differences.push_back(fmt::format("{} is {}", s.name, s.wanted ? "off" : "on"));
   for (int i = 0; i < clip_distance_count; ++i)
     if (glIsEnabled(GL_CLIP_DISTANCE0 + i)) differences.push_back(fmt::format("clip distance {} is on", i));
   for (const auto& [query, name, wanted] : integers) compare(name, integer(query), wanted);

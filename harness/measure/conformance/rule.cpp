@@ -8,18 +8,6 @@
 
 namespace gnomon::conformance {
 
-namespace {
-
-std::vector<Rule> all_rules() {
-  std::vector<Rule> all;
-  for (auto* of_file : {about_rules, answer_rules, promise_rules, cause_rules, life_rules, light_rules, neighbor_rules,
-                        limit_rules, scale_rules, memory_rules})
-    std::ranges::copy(of_file(), std::back_inserter(all));
-  return all;
-}
-
-}  // namespace
-
 std::string place_text(const Finding& finding) {
   std::vector<std::string> parts;
   if (!finding.place.scene.empty()) parts.push_back("in " + finding.place.scene);
@@ -30,8 +18,7 @@ std::string place_text(const Finding& finding) {
 }
 
 std::string_view name(Verdict::Kind kind) {
-  static constexpr std::string_view names[] = {"holds", "does not apply", "fails"};
-  return names[static_cast<int>(kind)];
+  return kind == Verdict::Kind::holds ? "holds" : kind == Verdict::Kind::fails ? "fails" : "does not apply";
 }
 
 std::string_view name(AppliesTo applies_to) {
@@ -41,7 +28,13 @@ std::string_view name(AppliesTo applies_to) {
 }
 
 std::span<const Rule> rules() {
-  static const std::vector<Rule> all = all_rules();
+  static const std::vector<Rule> all = [] {
+    std::vector<Rule> rules;
+    for (auto* of_file : {about_rules, answer_rules, promise_rules, cause_rules, life_rules, light_rules, neighbor_rules,
+                          limit_rules, scale_rules, memory_rules})
+      std::ranges::copy(of_file(), std::back_inserter(rules));
+    return rules;
+  }();
   return all;
 }
 
@@ -55,18 +48,11 @@ const Rule& rule(std::string_view name) {
 }
 
 std::string_view why_not_applied(const Rule& rule, const About& about) {
-  switch (rule.applies_to) {
-    case AppliesTo::all:
-      return "";
-    case AppliesTo::drawing:
-      return about.needs_gl ? "" : "it does not draw";
-    case AppliesTo::exact:
-      return about.promise == Promise::exact ? "" : "it does not promise to be exact";
-    case AppliesTo::sampled:
-      if (about.promise != Promise::sampled) return "it promises to be exact";
-      return about.role == Role::baseline ? "it is a baseline" : "";
-  }
-  return "";
+  const bool is_exact = about.promise == Promise::exact, is_of_sampled = rule.applies_to == AppliesTo::sampled;
+  if (rule.applies_to == AppliesTo::drawing && !about.needs_gl) return "it does not draw";
+  if (rule.applies_to == AppliesTo::exact && !is_exact) return "it does not promise to be exact";
+  if (is_of_sampled && is_exact) return "it promises to be exact";
+  return is_of_sampled && about.role == Role::baseline ? "it is a baseline" : "";
 }
 
 Verdict judge(const Rule& rule, const TechniqueEntry& entry, const std::function<void(const Place&)>& moves) {

@@ -1,7 +1,5 @@
-// What a technique says of itself: texts, parameters, support.
-#include <algorithm>
+// The data sheet of a technique: texts, parameters, support.
 #include <cctype>
-#include <cmath>
 #include <set>
 
 #include "measure/cause/own_causes.h"
@@ -11,7 +9,7 @@
 namespace gnomon::conformance {
 namespace {
 
-/// Of a row behind an ObjectParameter the parts between the dots are names.
+/// The row of an ObjectParameter's object has a dot between its names: "of.count".
 bool is_row_name(std::string_view name) {
   const std::size_t dot = name.find('.');
   return is_plain_name(name.substr(0, dot)) && (dot == name.npos || is_row_name(name.substr(dot + 1)));
@@ -36,7 +34,7 @@ void data_sheet(Trial& trial) {
   trial.expect(made->id() == entry.id, fmt::format("its object has the id {}, not {}", made->id(), entry.id));
 }
 
-// One that refuses everything would pass all that is asked of answers.
+// A technique that refuses everything would pass every rule about answers.
 void supports_a_light(Trial& trial) {
   for (const char* reference : {"sphere_over_plane:segments=24", "box_city:count=12"}) {
     trial.at(reference);
@@ -115,7 +113,7 @@ void parameter_values(Trial& trial) {
   }
 }
 
-// For every kind of light a fresh object answers: full, or why not. An area light is no exception.
+// For every kind of light, area lights included, a fresh object returns full support or a reason.
 void support_answered(Trial& trial) {
   for (const char* reference : {"sphere_over_plane:segments=16", "box_city:count=12", "single_triangle"}) {
     const Scene scene = generated_scene(reference);
@@ -137,36 +135,25 @@ void support_answered(Trial& trial) {
 }  // namespace
 
 std::vector<Rule> about_rules() {
-  return {
-      {.name = "data_sheet",
-       .sentence = "Its id is a plain name; title and source are there; summary, error and fails are sentences.",
-       .advice = "Fill in the About: a sentence begins with no small letter and ends with a period. The id is the stem "
-                 "of the file.",
-       .check = data_sheet},
-      {.name = "supports_a_light",
-       .sentence = "It supports at least one kind of light in each of two simple scenes.",
-       .advice = "Look at what supports() answers for a point light; one that refuses everything cannot be asked "
-                 "anything else.",
-       .check = supports_a_light},
-      {.name = "support_answered",
-       .sentence = "For every kind of light it answers whether it supports it: before anything runs, without OpenGL, and "
-                   "the same each time. Everything but full support has a reason.",
-       .advice = "A fresh object is asked supports(): compute the answer from scene, light and view alone, and never "
-                 "from what a stage has made. Give Support::unsupported and Support::approximate a reason.",
-       .check = support_answered,
-       .has_context = false},
-      {.name = "parameters_and_layers",
-       .sentence = "Every parameter and debug layer has a plain name of its own and a sentence. No layer is named mask, "
-                   "error or shaded. Colors of legends lie in 0 .. 1. A fresh object has its defaults.",
-       .advice = "Mend the row of the parameter or the entry of debug_layers() that is named. Constructors set nothing.",
-       .check = parameters_and_layers},
-      {.name = "parameter_values",
-       .sentence = "Parameters take every value that they allow and refuse others with what, which value and what is "
-                   "allowed.",
-       .advice = "Use Number, Choice and Flag of gnomon/param.h, which do so; a parameter of your own has to throw "
-                 "Error as they do.",
-       .check = parameter_values},
-  };
+  return {Rule("data_sheet", data_sheet, {},
+               "Its id is a plain name; title and source are there; summary, error and fails are sentences.",
+               "Fill in the About: a sentence begins with no small letter and ends with a period. The id is the stem of the "
+               "file."),
+          Rule("supports_a_light", supports_a_light, {}, "It supports at least one kind of light in each of two simple scenes.",
+               "Look at what supports() answers for a point light; one that refuses everything cannot be asked anything else."),
+          Rule("support_answered", support_answered, {.has_context = false},
+               "For every kind of light it answers whether it supports it: before anything runs, without OpenGL, and the same "
+               "each time. Everything but full support has a reason.",
+               "A fresh object is asked supports(): compute the answer from scene, light and view alone, and never from what a "
+               "stage has made. Give Support::unsupported and Support::approximate a reason."),
+          Rule("parameters_and_layers", parameters_and_layers, {},
+               "Every parameter and debug layer has a plain name of its own and a sentence. No layer is named mask, error or "
+               "shaded. Colors of legends lie in 0 .. 1. A fresh object has its defaults.",
+               "Mend the row of the parameter or the entry of debug_layers() that is named. Constructors set nothing."),
+          Rule("parameter_values", parameter_values, {},
+               "Parameters take every value that they allow and refuse others with what, which value and what is allowed.",
+               "Use Number, Choice and Flag of gnomon/param.h, which do so; a parameter of your own has to throw Error as they "
+               "do.")};
 }
 
 }  // namespace gnomon::conformance

@@ -10,7 +10,7 @@
 namespace gnomon::conformance {
 namespace {
 
-/// Under a light with area every pixel that is off at all has a cause, and at most 1 % of the error none that has a name.
+/// Under a light with area every pixel with an error has a cause, and at most 1 % of the error is unexplained.
 void expect_soft_causes(Trial& trial, std::span<const Cause> causes, const Reference& truth, std::span<const float> mask,
                         const GBuffer& gbuffer) {
   const bool is_area = trial.entry().about.estimates == LightShareKind::area;
@@ -45,14 +45,14 @@ void expect_causes(Trial& trial, std::span<const Cause> causes, const Reference&
     trial.found(fmt::format("{} wrong pixels have no cause that explains them", unexplained), first, gbuffer);
 }
 
-/// Whether it has anything from which a cause follows; without, the pixel's place alone tells it.
+/// Whether an explanation has anything from which a cause follows; else the cause follows from the pixel's place alone.
 bool says_something(const std::optional<Explanation>& why) {
   return why && (!why->covered || why->formula_differs || why->outline_error > 0 || why->element || !why->cause.empty() ||
                  !why->taps.empty() || !why->samples.empty());
 }
 
 void named_causes(Trial& trial) {
-  std::size_t tested = 0, asked = 0, told = 0;  // pixels, of which it is asked, and of which it tells something
+  std::size_t tested = 0, queried = 0, explained = 0;  // lights; pixels that are queried, and that are explained
   for (const char* reference : {"box_city:count=30", "soup:count=200", "fence", "contact"}) {
     trial.at(reference);
     const Scene scene = generated_scene(reference);
@@ -67,8 +67,8 @@ void named_causes(Trial& trial) {
       const Reference truth = frames.reference(key, light);
       const auto explain = [&](std::span<const std::uint32_t> pixels) {
         auto whys = explain_all(*technique, pixels);
-        asked += pixels.size();
-        told += static_cast<std::size_t>(std::ranges::count_if(whys, says_something));
+        queried += pixels.size();
+        explained += static_cast<std::size_t>(std::ranges::count_if(whys, says_something));
         return whys;
       };
       const About& about = trial.entry().about;
@@ -76,33 +76,26 @@ void named_causes(Trial& trial) {
       const auto causes = find_causes(
           {scene, frames.casters(key.truth), gbuffer, light, truth, mask, {}, explain, about.estimates, own, about.rasterizes});
       ++tested;
-      if (has_area(light))
-        expect_soft_causes(trial, causes, truth, mask, gbuffer);
-      else
-        expect_causes(trial, causes, truth, mask, gbuffer);
+      const auto expect = has_area(light) ? expect_soft_causes : expect_causes;
+      expect(trial, causes, truth, mask, gbuffer);
     }
   }
   if (tested == 0)
     trial.does_not_apply("it supports no light of these scenes");
-  else if (asked == 0)
+  else if (queried == 0)
     trial.does_not_apply("no pixel of these scenes is wrong");
-  else if (told == 0)
+  else if (explained == 0)
     trial.does_not_apply("it explains no wrong pixel: causes are told from where they are alone");
 }
 
 }  // namespace
 
 std::vector<Rule> cause_rules() {
-  return {
-      {.name = "named_causes",
-       .sentence = "Every wrong pixel of four scenes has a cause. Under lights with area at least 99 % of the error has "
-                   "one.",
-       .advice = "Return from explain() what decided the pixel: the taps with their weights and stored depths, or the "
-                 "samples of the light, the bias, and covered = false where the technique has no opinion. "
-                 "docs/causes.md says what each cause looks at.",
-       .check = named_causes,
-       .sanitized = Sanitized::nothing},
-  };
+  return {Rule("named_causes", named_causes, {.sanitized = Sanitized::nothing},
+               "Every wrong pixel of four scenes has a cause. Under lights with area at least 99 % of the error has one.",
+               "Return from explain() what decided the pixel: the taps with their weights and stored depths, or the samples of "
+               "the light, the bias, and covered = false where the technique has no opinion. docs/causes.md says what each "
+               "cause looks at.")};
 }
 
 }  // namespace gnomon::conformance

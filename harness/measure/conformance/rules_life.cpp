@@ -14,34 +14,30 @@ std::vector<float> redo(const Trial& trial, Technique& technique, Stage first, c
   return trial.resolve(technique, gbuffer);
 }
 
-// Larger pictures of the technique's own are drawn once, for their mask; a used object is then set to a smaller one, for what a
-// parameter spoils does not depend on its value. Under the sanitizers, which see no driver, they are left out, a used object
-// is set to one value of each parameter, and the sphere has fewer triangles.
+// Larger pictures of the technique's own are drawn once, for their mask. A used object is then set to a smaller one, because
+// the stage that a parameter spoils does not depend on its value. The sanitizers do not instrument drivers: under them such
+// pictures are left out, a used object is set to one value of each parameter, and the sphere has fewer triangles.
 constexpr double most_texels = 1024;
 constexpr std::string_view smaller = "512";
 
-bool is_large_picture(const Parameter& parameter, const std::string& value) {
-  return parameter.unit() == "texel" && std::stod(value) > most_texels;
-}
-
-// Both ends of each range and every choice. A value that is set on a used object is seen from the stage that it spoils on: the
-// parameter's row says the truth about it. One light will do, the first that is supported with the value.
+// Both ends of each range and every choice. A value that is set on a used object takes effect from the stage that it spoils:
+// the parameter's row names it correctly. One light is enough: the first that is supported with the value.
 void parameter_ends(Trial& trial) {
   const char* const reference = trial.is_short() ? "sphere_over_plane:segments=6" : "sphere_over_plane:segments=16";
-  trial.at(reference);
-  const auto w = trial.world(reference);
+  const auto w = trial.enter(reference);
   const GBuffer gbuffer = w->gbuffer(w->scene.views[0], 64, 36);
   const auto names = trial.entry().make();
   for (const Parameter* parameter : names->parameters()) {
     const std::vector<std::string> probes = parameter->probes();
     for (const std::string& value : probes) {
-      const bool is_large = is_large_picture(*parameter, value);
+      const auto set_to = [&](std::string_view text) { return fmt::format("{}={}", parameter->name(), text); };
+      const bool is_large = parameter->unit() == "texel" && std::stod(value) > most_texels;
       if (is_large && trial.is_short()) continue;
-      const std::string settings = fmt::format("{}={}", parameter->name(), value);
+      const std::string settings = set_to(value);
       trial.at(reference, settings);
-      std::vector<Light> lights = trial.supported_lights(w->scene, settings);
+      const std::vector<Light> lights = trial.supported_lights(w->scene, settings);
       if (lights.empty()) continue;
-      const Light& light = lights.size() > 1 ? lights[1] : lights[0];  // the sun where there is a choice: one image, not six
+      const Light& light = lights.size() > 1 ? lights[1] : lights[0];  // the sun where it is supported: one image, not six
       trial.at(light);
       const auto plain = trial.entry().make();
       plain->apply(settings);
@@ -49,15 +45,13 @@ void parameter_ends(Trial& trial) {
       trial.expect(plain->settings() == wanted, fmt::format("its settings are '{}', not '{}'", plain->settings(), wanted));
       std::vector<float> fresh = trial.fresh_answer(w->scene, light, gbuffer, settings);
       trial.expect_mask(fresh, w->scene, gbuffer, light);
-      if (!trial.support(w->scene, light)) continue;
-      if (trial.is_short() && value != probes.front()) continue;
+      if (!trial.support(w->scene, light) || (trial.is_short() && value != probes.front())) continue;
       const std::string set(is_large ? smaller : value);
-      if (is_large) fresh = trial.fresh_answer(w->scene, light, gbuffer, fmt::format("{}={}", parameter->name(), set));
+      if (is_large) fresh = trial.fresh_answer(w->scene, light, gbuffer, set_to(set));
       const auto used = trial.set_up();
       trial.answer(*used, w->scene, light, gbuffer);
       used->parameter(parameter->name()).set(set);
-      used->apply(
-          with_small_pictures(trial.entry(), fmt::format("{}={}", parameter->name(), set)));  // of objects that it brought
+      used->apply(with_small_pictures(trial.entry(), set_to(set)));  // of objects that it brought
       trial.expect_same(fresh, redo(trial, *used, parameter->spoils(), w->scene, light, gbuffer),
                         fmt::format("set on a used object, from {} on{}", name(parameter->spoils()),
                                     is_large ? fmt::format(", to {}", set) : ""),
@@ -66,11 +60,9 @@ void parameter_ends(Trial& trial) {
   }
 }
 
-// One object goes through all lights and back; each time it says what a fresh one says.
+// One object goes through all lights and back; each time it answers as a fresh one does.
 void change_of_light(Trial& trial) {
-  const char* const reference = "box_city:count=12";
-  trial.at(reference);
-  const auto w = trial.world(reference);
+  const auto w = trial.enter("box_city:count=12");
   const GBuffer gbuffer = w->gbuffer();
   const std::vector<Light> lights = trial.supported_lights(w->scene);
   const auto used = trial.set_up();
@@ -91,9 +83,7 @@ void change_of_light(Trial& trial) {
 
 // Another view, and a third of another size, in between.
 void change_of_view(Trial& trial) {
-  const char* const reference = "box_city:count=12";
-  trial.at(reference);
-  const auto w = trial.world(reference);
+  const auto w = trial.enter("box_city:count=12");
   const GBuffer first = w->gbuffer(), others[] = {w->gbuffer(w->scene.views.at(1)), w->gbuffer(w->scene.views.at(1), 61, 80)};
   for (const Light& light : trial.supported_lights(w->scene)) {
     trial.at(light);
@@ -107,12 +97,12 @@ void change_of_view(Trial& trial) {
   }
 }
 
-// Work and bytes are those of the present light and picture, whatever they were before and however much room that left. With
-// every choice and both ends of each range; under the sanitizers, which see them all in parameter_ends, as it comes.
+// Counts of work and bytes depend on the present light and picture alone, not on earlier ones or the memory that these left.
+// Checked with every choice and both ends of each range; under the sanitizers, which run these in parameter_ends, at the
+// defaults.
 void counts_of_now(Trial& trial) {
   const char* const reference = "sphere_over_plane:segments=24";
-  trial.at(reference);
-  const auto w = trial.world(reference);
+  const auto w = trial.enter(reference);
   const GBuffer gbuffers[] = {w->gbuffer(w->scene.views[0], 60, 40), w->gbuffer(w->scene.views[0], 36, 24)};
   for (const std::string& settings : trial.is_short() ? std::vector<std::string>{""} : settings_of(trial.entry())) {
     trial.at(reference, settings);
@@ -178,44 +168,25 @@ void two_objects(Trial& trial) {
 
 std::vector<Rule> life_rules() {
   return {
-      {.name = "parameter_ends",
-       .sentence = "Both ends of every parameter, and every choice, run. A value set on a used object takes full effect "
-                   "from the stage that the parameter spoils.",
-       .advice = "Name the earliest stage that reads the parameter in its row; read it in that stage and not in a "
-                 "constructor.",
-       .check = parameter_ends,
-       .has_small_pictures = true,
-       .sanitized = Sanitized::part},
-      {.name = "change_of_light",
-       .sentence = "After relight under another light it answers as a fresh object does, through all lights and back.",
-       .advice = "Let relight set all that depends on the light: what is kept from the light before is what differs.",
-       .check = change_of_light,
-       .has_small_pictures = true},
-      {.name = "change_of_view",
-       .sentence = "After another view, and a picture of another size, it answers as a fresh object does.",
-       .advice = "Let resolve set all that depends on view and size, and resize what has the size of the picture.",
-       .check = change_of_view,
-       .has_small_pictures = true},
-      {.name = "counts_of_now",
-       .sentence = "Counts, except times, depend on the present scene, light and picture alone, not on earlier ones.",
-       .advice = "Count sizes, not room: vectors and textures that stay large after a larger picture are not all in "
-                 "use. Set counters to zero at the beginning of their stage.",
-       .check = counts_of_now,
-       .has_small_pictures = true,
-       .sanitized = Sanitized::part},
-      {.name = "change_of_scene",
-       .sentence = "The same object answers in a second and third scene, and in the first again, as a fresh one does.",
-       .advice = "Let build begin from nothing: clear lists, and forget what was made for meshes by their number or "
-                 "address.",
-       .check = change_of_scene,
-       .has_small_pictures = true},
-      {.name = "two_objects",
-       .sentence = "Two objects that live at once do not disturb each other.",
-       .advice = "Keep what a stage makes in the object: look for static variables and for names of OpenGL that are "
-                 "shared.",
-       .check = two_objects,
-       .has_small_pictures = true},
-  };
+      Rule("parameter_ends", parameter_ends, {.has_small_pictures = true, .sanitized = Sanitized::part},
+           "Both ends of every parameter, and every choice, run. A value set on a used object takes full effect from the "
+           "stage that the parameter spoils.",
+           "Name the earliest stage that reads the parameter in its row; read it in that stage and not in a constructor."),
+      Rule("change_of_light", change_of_light, {.has_small_pictures = true},
+           "After relight under another light it answers as a fresh object does, through all lights and back.",
+           "Let relight set all that depends on the light: what is kept from the light before is what differs."),
+      Rule("change_of_view", change_of_view, {.has_small_pictures = true},
+           "After another view, and a picture of another size, it answers as a fresh object does.",
+           "Let resolve set all that depends on view and size, and resize what has the size of the picture."),
+      Rule("counts_of_now", counts_of_now, {.has_small_pictures = true, .sanitized = Sanitized::part},
+           "Counts, except times, depend on the present scene, light and picture alone, not on earlier ones.",
+           "Count sizes, not room: vectors and textures that stay large after a larger picture are not all in use. Set "
+           "counters to zero at the beginning of their stage."),
+      Rule("change_of_scene", change_of_scene, {.has_small_pictures = true},
+           "The same object answers in a second and third scene, and in the first again, as a fresh one does.",
+           "Let build begin from nothing: clear lists, and forget what was made for meshes by their number or address."),
+      Rule("two_objects", two_objects, {.has_small_pictures = true}, "Two objects that live at once do not disturb each other.",
+           "Keep what a stage makes in the object: look for static variables and for names of OpenGL that are shared.")};
 }
 
 }  // namespace gnomon::conformance

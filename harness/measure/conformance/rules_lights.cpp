@@ -1,4 +1,4 @@
-// Rows of several lights: objects for further lights are as good as whole ones, and hold no more.
+// Rows of several lights: objects for further lights answer as whole ones do, and hold no more bytes.
 #include <gnomon/kit/bases/light_objects.h>
 
 #include <algorithm>
@@ -20,19 +20,13 @@ LightObjects built(const Trial& trial, const Scene& scene, std::size_t light_cou
   return objects;
 }
 
-/// Every light's mask, asked after all lights have had their relight, the last light first.
+/// Every light's mask, resolved after all lights have had their relight, the last light first.
 std::vector<std::vector<float>> masks(const Trial& trial, LightObjects& objects, const std::vector<Light>& lights,
                                       const GBuffer& gbuffer) {
   objects.each(Stage::relight, [&](Technique& object, std::size_t k) { object.relight(lights[k]); });
   std::vector<std::vector<float>> result(lights.size());
   for (std::size_t k = lights.size(); k-- > 0;) result[k] = trial.resolve(objects[k], gbuffer);
   return result;
-}
-
-double bytes_of(const Counts& counts) {
-  for (const Count& count : counts)
-    if (count.name == "bytes") return count.value;
-  return 0;
 }
 
 /// The defaults, and one other value of every parameter that setup or build reads.
@@ -44,12 +38,12 @@ std::vector<std::string> settings_before_lights(const TechniqueEntry& entry) {
   return all;
 }
 
-// Also after the scene changes under them, which only the first object is told, and with other settings than the defaults.
+// Also after a change of the scene, of which only the first object is notified, and with other settings than the defaults.
 void further_lights(Trial& trial) {
   const char* const references[] = {"sphere_over_plane:segments=16", "box_city:count=12"};
   const std::unique_ptr<World> worlds[] = {trial.world(references[0]), trial.world(references[1])};
-  for (const std::string& asked : settings_before_lights(trial.entry())) {
-    const std::string settings = with_small_pictures(trial.entry(), asked);  // objects are made past the trial
+  for (const std::string& plain : settings_before_lights(trial.entry())) {
+    const std::string settings = with_small_pictures(trial.entry(), plain);  // these objects are not made by the trial
     LightObjects objects(trial.entry(), settings);
     bool is_set_up = false;
     for (const int k : {0, 1, 0}) {
@@ -75,9 +69,7 @@ void further_lights(Trial& trial) {
 // What several lights give together is the sum of what each gives alone: the masks come from objects that share, the sum is
 // made from whole ones. Shares are rounded to float32 once: 2^-24 of 1, and the sum of light received as much of itself.
 void sum_of_lights(Trial& trial) {
-  const char* const reference = "sphere_over_plane:segments=16";
-  trial.at(reference);
-  const auto w = trial.world(reference);
+  const auto w = trial.enter("sphere_over_plane:segments=16");
   const std::vector<Light> lights = trial.supported_lights(w->scene);
   if (lights.size() < 2) return trial.does_not_apply("it supports one light of the scene at most");
   const GBuffer gbuffer = w->gbuffer();
@@ -90,14 +82,8 @@ void sum_of_lights(Trial& trial) {
     const std::vector<float> alone = trial.fresh_answer(w->scene, lights[k], gbuffer);
     const std::vector<double> received = received_light(gbuffer, lights[k]);
     for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += received[i] * alone[i];
-    Evidence& e = evidence.emplace_back();
-    e.width = gbuffer.width;
-    e.height = gbuffer.height;
-    e.classes = classes;
-    e.reference = e.mask = shared[k];
-    e.gbuffer = &gbuffer;
-    e.scene = &w->scene;
-    e.light = &lights[k];
+    const std::vector<float>& mask = shared[k];
+    evidence.push_back({gbuffer.width, gbuffer.height, classes, mask, mask, {}, &w->scene, &gbuffer, &lights[k]});
   }
   const Together all = together(evidence);
   for (std::size_t i = 0; i < sum.size(); ++i) {
@@ -108,9 +94,7 @@ void sum_of_lights(Trial& trial) {
 }
 
 void bytes_of_further_lights(Trial& trial) {
-  const char* const reference = "box_city:count=12";
-  trial.at(reference);
-  const auto w = trial.world(reference);
+  const auto w = trial.enter("box_city:count=12");
   const std::vector<Light> lights = trial.supported_lights(w->scene);
   if (lights.size() < 2) return trial.does_not_apply("it supports one light of the scene at most");
   const GBuffer gbuffer = w->gbuffer();
@@ -120,9 +104,9 @@ void bytes_of_further_lights(Trial& trial) {
   for (const Light& light : lights) {
     const auto alone = trial.set_up();
     trial.answer(*alone, w->scene, light, gbuffer);
-    whole += bytes_of(alone->counts());
+    whole += counted_bytes(alone->counts());
   }
-  const double together = bytes_of(objects.counts());
+  const double together = counted_bytes(objects.counts());
   trial.expect(together <= whole,
                fmt::format("objects for {} lights hold {} bytes together, whole ones {}", lights.size(), together, whole));
 }
@@ -130,24 +114,16 @@ void bytes_of_further_lights(Trial& trial) {
 }  // namespace
 
 std::vector<Rule> light_rules() {
-  return {
-      {.name = "further_lights",
-       .sentence = "Objects for further lights answer as independent objects do, also after a change of scene.",
-       .advice = "An object of for_another_light() shares what setup and build make and nothing else; keep it in one "
-                 "Shared<Made> member (gnomon/kit/shared.h). Without for_another_light every light has a whole object.",
-       .check = further_lights,
-       .has_small_pictures = true},
-      {.name = "sum_of_lights",
-       .sentence = "The picture of all lights together is the sum of the pictures of each.",
-       .advice = "As with further_lights; look for what relight writes into the shared part.",
-       .check = sum_of_lights,
-       .sanitized = Sanitized::nothing},
-      {.name = "bytes_of_further_lights",
-       .sentence = "Objects for further lights hold no more bytes than independent objects would.",
-       .advice = "Let an object for a further light count only what it holds itself, not what it shares.",
-       .check = bytes_of_further_lights,
-       .sanitized = Sanitized::nothing},
-  };
+  return {Rule("further_lights", further_lights, {.has_small_pictures = true},
+               "Objects for further lights answer as independent objects do, also after a change of scene.",
+               "An object of for_another_light() shares what setup and build make and nothing else; keep it in one "
+               "Shared<Made> member (gnomon/kit/shared.h). Without for_another_light every light has a whole object."),
+          Rule("sum_of_lights", sum_of_lights, {.sanitized = Sanitized::nothing},
+               "The picture of all lights together is the sum of the pictures of each.",
+               "As with further_lights; look for what relight writes into the shared part."),
+          Rule("bytes_of_further_lights", bytes_of_further_lights, {.sanitized = Sanitized::nothing},
+               "Objects for further lights hold no more bytes than independent objects would.",
+               "Let an object for a further light count only what it holds itself, not what it shares.")};
 }
 
 }  // namespace gnomon::conformance

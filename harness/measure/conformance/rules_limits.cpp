@@ -1,4 +1,4 @@
-// On a device that can do less, a technique that draws says which limit is too small, or keeps within it.
+// On a device with lower limits, a technique that draws names the limit that is too low, or stays within it.
 #include <gnomon/kit/gl/gl.h>
 
 #include <algorithm>
@@ -10,7 +10,7 @@
 namespace gnomon::conformance {
 namespace {
 
-/// The device has less while this lives.
+/// Lowers limits of the device during its lifetime.
 class ReducedLimits {
  public:
   explicit ReducedLimits(const std::string& words) {
@@ -31,33 +31,17 @@ class ReducedLimits {
 /// Mesa and others name objects by small numbers.
 constexpr GLuint most_names = 4096;
 
-/// How many storage blocks a program reads in the stage that `referenced` names.
-int storage_blocks(GLuint program, GLenum referenced) {
+/// A property of each storage block of a program.
+std::vector<GLint> of_storage_blocks(GLuint program, GLenum property) {
   GLint count = 0;
   glGetProgramInterfaceiv(program, GL_SHADER_STORAGE_BLOCK, GL_ACTIVE_RESOURCES, &count);
-  int used = 0;
-  for (GLint k = 0; k < count; ++k) {
-    GLint is_used = 0;
-    glGetProgramResourceiv(program, GL_SHADER_STORAGE_BLOCK, static_cast<GLuint>(k), 1, &referenced, 1, nullptr, &is_used);
-    used += is_used;
-  }
-  return used;
+  std::vector<GLint> values(static_cast<std::size_t>(count));
+  for (GLuint k = 0; k < values.size(); ++k)
+    glGetProgramResourceiv(program, GL_SHADER_STORAGE_BLOCK, k, 1, &property, 1, nullptr, &values[k]);
+  return values;
 }
 
-/// Largest binding of a program's storage blocks, plus one.
-GLint storage_bindings(GLuint program) {
-  GLint count = 0, most = 0;
-  glGetProgramInterfaceiv(program, GL_SHADER_STORAGE_BLOCK, GL_ACTIVE_RESOURCES, &count);
-  for (GLint k = 0; k < count; ++k) {
-    const GLenum wanted = GL_BUFFER_BINDING;
-    GLint binding = 0;
-    glGetProgramResourceiv(program, GL_SHADER_STORAGE_BLOCK, static_cast<GLuint>(k), 1, &wanted, 1, nullptr, &binding);
-    most = std::max(most, binding + 1);
-  }
-  return most;
-}
-
-/// The limits whose use is seen.
+/// The limits whose use can be measured.
 constexpr std::string_view seen_limits[] = {"vertex_storage_blocks",  "fragment_storage_blocks",
                                             "compute_storage_blocks", "storage_bindings",
                                             "texture_size",           "texture_layers"};
@@ -68,10 +52,11 @@ GlLimits used_limits() {
   const auto raise = [](std::int64_t& limit, std::int64_t value) { limit = std::max(limit, value); };
   for (GLuint name = 1; name < most_names; ++name) {
     if (glIsProgram(name)) {
-      raise(used.vertex_storage_blocks, storage_blocks(name, GL_REFERENCED_BY_VERTEX_SHADER));
-      raise(used.fragment_storage_blocks, storage_blocks(name, GL_REFERENCED_BY_FRAGMENT_SHADER));
-      raise(used.compute_storage_blocks, storage_blocks(name, GL_REFERENCED_BY_COMPUTE_SHADER));
-      raise(used.storage_bindings, storage_bindings(name));
+      const auto blocks = [&](GLenum stage) { return std::ranges::count(of_storage_blocks(name, stage), GL_TRUE); };
+      raise(used.vertex_storage_blocks, blocks(GL_REFERENCED_BY_VERTEX_SHADER));
+      raise(used.fragment_storage_blocks, blocks(GL_REFERENCED_BY_FRAGMENT_SHADER));
+      raise(used.compute_storage_blocks, blocks(GL_REFERENCED_BY_COMPUTE_SHADER));
+      for (const GLint binding : of_storage_blocks(name, GL_BUFFER_BINDING)) raise(used.storage_bindings, binding + 1);
     }
     if (!glIsTexture(name)) continue;
     const auto side = [&](GLenum what) {
@@ -93,7 +78,7 @@ struct Case {
   std::map<std::string, GlLimits> used = {};  ///< by light, on the device as it is
 };
 
-/// What it uses under a light on the device as it is.
+/// The limits that the technique uses under a light on the device as it is.
 const GlLimits& used_under(Trial& trial, Case& c, const Light& light) {
   const auto [found, is_new] = c.used.try_emplace(light.name);
   if (is_new) {
@@ -119,7 +104,7 @@ int run_within(Trial& trial, Case& c, std::string_view limit) {
     release_inputs();
     const ReducedLimits limits{std::string(limit)};
     if (const Support inputs = within_limits(inputs_need(scene, c.gbuffer.width, c.gbuffer.height)); !inputs) {
-      // A worker says so in the technique's place.
+      // A worker reports this in place of the technique.
       trial.expect(inputs.why().find(name) != std::string::npos,
                    fmt::format("{}: the inputs are refused with '{}', without the limit's name", limit, inputs.why()));
       continue;
@@ -143,11 +128,10 @@ void device_limits(Trial& trial) {
   const auto is_choice = [](const Parameter& parameter) { return dynamic_cast<const Choice*>(&typed(parameter)) != nullptr; };
   int runs = 0;
   for (const char* reference : {"sphere_over_plane:segments=16", "box_city:count=12"}) {
-    trial.at(reference);
-    const auto w = trial.world(reference);
+    const auto w = trial.enter(reference);
     const GBuffer gbuffer = w->gbuffer();
     for (const std::string& settings : settings_of(trial.entry(), is_choice)) {
-      // One scene and light will do for settings: their programs are compiled for each limit anew.
+      // One scene and light are enough for settings: their programs are compiled for each limit anew.
       if (!settings.empty() && (w->scene.has_curved_shapes() || trial.is_short())) continue;
       trial.at(reference, settings);
       Case c{*w, gbuffer, settings};
@@ -166,16 +150,11 @@ void device_limits(Trial& trial) {
 }  // namespace
 
 std::vector<Rule> limit_rules() {
-  return {
-      {.name = "device_limits",
-       .sentence = "On a device with lower limits it names the limit that is too low, or stays within it.",
-       .advice = "Say in supports() what the programs and textures need, with within_limits of gnomon/kit/gl/gl_limits.h; "
-                 "what the kit makes has a function that says what it needs.",
-       .check = device_limits,
-       .applies_to = AppliesTo::drawing,
-       .has_small_pictures = true,
-       .sanitized = Sanitized::part},
-  };
+  return {Rule("device_limits", device_limits,
+               {.applies_to = AppliesTo::drawing, .has_small_pictures = true, .sanitized = Sanitized::part},
+               "On a device with lower limits it names the limit that is too low, or stays within it.",
+               "Say in supports() what the programs and textures need, with within_limits of gnomon/kit/gl/gl_limits.h; what "
+               "the kit makes has a function that says what it needs.")};
 }
 
 }  // namespace gnomon::conformance

@@ -1,4 +1,4 @@
-// Whether a technique holds as many bytes as it says, and gets its geometry in the stage that is charged for it.
+// Whether a technique holds as many bytes as it reports, and uploads its geometry in build.
 #include <gnomon/kit/geometry/shapes.h>
 #include <gnomon/kit/gl/gl_pass.h>
 #include <malloc.h>
@@ -19,7 +19,7 @@ namespace {
 
 constexpr double MiB = 1 << 20;
 
-/// Draws a few pixels now and then: the driver lets go of the work of a draw, and of what was deleted, at later ones.
+/// Draws a few pixels: the driver frees the memory of a draw, and of deleted objects, at later draws.
 void settle() {
   const StateGuard guard;
   static const Program* const program =  // never deleted: its compilation is no work of a draw
@@ -57,7 +57,7 @@ Scene ball(int segments) {
 
 struct Figures {
   double reported = 0, growth = 0, seconds = 0;
-  bool is_elsewhere = false;  ///< what the technique does, and so what it holds
+  bool is_elsewhere = false;  ///< the technique works, and so holds its memory, in another process
   std::string text;
 };
 
@@ -92,22 +92,21 @@ class Scales {
     f.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     f.growth = resident_bytes(trial_.uses_gl()) - before;
     f.is_elsewhere = elsewhere(*technique) != nullptr;
-    for (const Count& count : technique->counts())
-      if (count.name == "bytes") f.reported = count.value;
+    f.reported = counted_bytes(technique->counts());
     f.text = fmt::format("{:.1f} MiB reported, resident memory grew by {:.1f} MiB", f.reported / MiB, f.growth / MiB);
     return f;
   }
 
  private:
   Trial& trial_;
-  // All live to the end: what is freed in one measurement, and when the driver does it, would show in the next.
+  // All live to the end: what the driver frees late would change the next measurement.
   std::map<int, std::unique_ptr<World>> worlds_;
   std::vector<std::unique_ptr<Technique>> techniques_;
 };
 
 // From 6 thousand triangles to 400 thousand, until it takes half a second or holds 64 MiB. Both figures may be off by 8 MiB:
-// arenas, drivers and libraries keep memory of their own. A software driver also keeps that of a draw, and gives it back when
-// it likes: the median of three measurements has to agree.
+// arenas, drivers and libraries keep memory of their own. A software driver also keeps the memory of a draw, and frees it at
+// any later time: the median of three measurements has to agree.
 void reported_bytes(Trial& trial) {
   if (is_sanitized) return trial.does_not_apply("the sanitizer multiplies memory");
   if (trial.uses_gl() && !process_context().info().is_software())
@@ -119,18 +118,18 @@ void reported_bytes(Trial& trial) {
     return trial.does_not_apply("it holds its memory in a process of its own");
   for (const int segments : {80, 160, 320, 640}) {
     std::vector<Figures> measured;
-    std::vector<std::string> texts;
+    std::string texts;
     for (int k = 0; k < 3; ++k) {
       const auto figures = scales.measure(segments);
       if (!figures) return;
       measured.push_back(*figures);
-      texts.push_back(figures->text);
+      texts += (k > 0 ? "; " : "") + figures->text;
     }
     std::ranges::sort(measured, {}, &Figures::growth);
     const Figures& median = measured[1];
     const double floor = 8 * MiB + (trial.uses_gl() ? 64.0 * segments * segments : 0);
-    trial.expect(median.growth <= 2 * median.reported + floor, "it holds more than it reports: " + joined(texts, "; "));
-    trial.expect(median.reported <= 2 * median.growth + floor, "it reports more than it holds: " + joined(texts, "; "));
+    trial.expect(median.growth <= 2 * median.reported + floor, "it holds more than it reports: " + texts);
+    trial.expect(median.reported <= 2 * median.growth + floor, "it reports more than it holds: " + texts);
     if (median.seconds > 0.5 || median.reported > 64 * MiB) break;
   }
 }
@@ -155,24 +154,17 @@ void geometry_in_build(Trial& trial) {
 }  // namespace
 
 std::vector<Rule> memory_rules() {
-  return {
-      {.name = "geometry_in_build",
-       .sentence = "Build uploads the scene's triangles to OpenGL, so that its time includes the upload. No later stage "
-                   "uploads them.",
-       .advice = "Ask for scene_buffers(scene) in build, also where only depth_stencil or a later stage needs them.",
-       .check = geometry_in_build,
-       .applies_to = AppliesTo::drawing,
-       .has_small_pictures = true,
-       .sanitized = Sanitized::nothing},
-      {.name = "reported_bytes",
-       .sentence = "From 6 thousand to 400 thousand triangles, the count bytes grows as resident memory does, within a "
-                   "factor of two and 8 MiB.",
-       .advice = "Count everything that the object holds after resolve, textures and buffers of OpenGL included: those "
-                 "of the kit know their bytes. What scene_buffers and gbuffer_textures hold is counted by the harness. What is "
-                 "only needed within a stage is freed at its end.",
-       .check = reported_bytes,
-       .sanitized = Sanitized::nothing},
-  };
+  return {Rule("geometry_in_build", geometry_in_build,
+               {.applies_to = AppliesTo::drawing, .has_small_pictures = true, .sanitized = Sanitized::nothing},
+               "Build uploads the scene's triangles to OpenGL, so that its time includes the upload. No later stage uploads "
+               "them.",
+               "Ask for scene_buffers(scene) in build, also where only depth_stencil or a later stage needs them."),
+          Rule("reported_bytes", reported_bytes, {.sanitized = Sanitized::nothing},
+               "From 6 thousand to 400 thousand triangles, the count bytes grows as resident memory does, within a factor of "
+               "two and 8 MiB.",
+               "Count everything that the object holds after resolve, textures and buffers of OpenGL included: those of the "
+               "kit know their bytes. What scene_buffers and gbuffer_textures hold is counted by the harness. What is only "
+               "needed within a stage is freed at its end.")};
 }
 
 }  // namespace gnomon::conformance

@@ -1,7 +1,5 @@
-// What a technique must leave alone: its inputs, other people's textures, the state of OpenGL.
+// What a technique must leave alone: its inputs, textures of others, the state of OpenGL.
 #include <gnomon/kit/gl/gl.h>
-
-#include <cstring>
 
 #include "measure/conformance/gl_state.h"
 #include "measure/conformance/trial.h"
@@ -9,13 +7,12 @@
 namespace gnomon::conformance {
 namespace {
 
-using Bytes = std::vector<std::uint8_t>;
+using Bytes = std::vector<std::byte>;
 
 template <class T>
 void append(Bytes& bytes, const T& values) {
   const auto part = std::as_bytes(std::span(values));
-  const auto* first = reinterpret_cast<const std::uint8_t*>(part.data());
-  bytes.insert(bytes.end(), first, first + part.size());
+  bytes.insert(bytes.end(), part.begin(), part.end());
 }
 
 Bytes bytes_of(const Scene& scene, const GBuffer& g) {
@@ -42,13 +39,8 @@ Bytes read(const Buffer& buffer) {
   return bytes;
 }
 
-struct GlInput {
-  const char* name;
-  Bytes bytes;
-};
-
-/// All that kit/gl/gl hands to a technique to read, in order.
-std::vector<GlInput> gl_inputs_now(const Scene& scene, const GBuffer& gbuffer) {
+/// All that kit/gl/gl gives a technique to read, in order: name and bytes.
+std::vector<std::pair<const char*, Bytes>> gl_inputs_now(const Scene& scene, const GBuffer& gbuffer) {
   const SceneBuffers& buffers = scene_buffers(scene);
   const GBufferTextures& textures = gbuffer_textures(gbuffer, scene);
   const DepthStencil& depth = depth_stencil(scene, gbuffer, gbuffer.truth);
@@ -62,7 +54,7 @@ std::vector<GlInput> gl_inputs_now(const Scene& scene, const GBuffer& gbuffer) {
           {"the eye's depths", depths}};
 }
 
-/// A texture with something in it, like the mask of somebody else.
+/// A texture with numbers in it, like another technique's mask.
 Texture canary(int width, int height) {
   Texture texture(GL_R32F, width, height);
   const float value = 0.25f;
@@ -71,9 +63,7 @@ Texture canary(int width, int height) {
 }
 
 void inputs(Trial& trial) {
-  const char* const reference = "box_city:count=12";
-  trial.at(reference);
-  const auto w = trial.world(reference);
+  const auto w = trial.enter("box_city:count=12");
   const GBuffer gbuffer = w->gbuffer();
   const Bytes before = bytes_of(w->scene, gbuffer);
   for (const Light& light : trial.supported_lights(w->scene)) {
@@ -84,30 +74,26 @@ void inputs(Trial& trial) {
 }
 
 void gl_inputs(Trial& trial) {
-  const char* const reference = "box_city:count=12";
-  trial.at(reference);
-  const auto w = trial.world(reference);
+  const auto w = trial.enter("box_city:count=12");
   const GBuffer gbuffer = w->gbuffer();
   const Texture first = canary(gbuffer.width, gbuffer.height);
-  const std::vector<GlInput> before = gl_inputs_now(w->scene, gbuffer);
+  const auto before = gl_inputs_now(w->scene, gbuffer);
   const Bytes colors = read(first, GL_RED, GL_FLOAT);
   for (const Light& light : trial.supported_lights(w->scene)) {
     trial.at(light);
     const auto technique = trial.set_up();
     const Texture second = canary(gbuffer.width, gbuffer.height);
     trial.answer(*technique, w->scene, light, gbuffer);
-    const std::vector<GlInput> after = gl_inputs_now(w->scene, gbuffer);
+    const auto after = gl_inputs_now(w->scene, gbuffer);
     for (std::size_t k = 0; k < before.size(); ++k)
-      trial.expect(after[k].bytes == before[k].bytes, fmt::format("{} were written to", before[k].name));
+      trial.expect(after[k].second == before[k].second, fmt::format("{} were written to", before[k].first));
     trial.expect(read(first, GL_RED, GL_FLOAT) == colors && read(second, GL_RED, GL_FLOAT) == colors,
                  "a texture that is not the technique's was written to");
   }
 }
 
 void gl_state(Trial& trial) {
-  const char* const reference = "sphere_over_plane:segments=16";
-  trial.at(reference);
-  const auto w = trial.world(reference);
+  const auto w = trial.enter("sphere_over_plane:segments=16");
   const GBuffer gbuffer = w->gbuffer();
   const auto look = [&](std::string_view after) {
     for (const std::string& difference : state_differences()) trial.found(fmt::format("after {}: {}", after, difference));
@@ -134,31 +120,19 @@ void gl_state(Trial& trial) {
 }  // namespace
 
 std::vector<Rule> neighbor_rules() {
-  return {
-      {.name = "inputs",
-       .sentence = "Scene and G-buffer in memory stay unchanged.",
-       .advice = "Take no const away: copy what has to be changed.",
-       .check = inputs,
-       .has_small_pictures = true,
-       .sanitized = Sanitized::nothing},
-      {.name = "gl_inputs",
-       .sentence = "OpenGL buffers and textures of scene and G-buffer stay unchanged, and so do textures of others.",
-       .advice = "Write to objects of your own only: look for a framebuffer, an image unit or a storage binding that "
-                 "still holds somebody else's name.",
-       .check = gl_inputs,
-       .applies_to = AppliesTo::drawing,
-       .has_small_pictures = true,
-       .sanitized = Sanitized::nothing},
-      {.name = "gl_state",
-       .sentence = "Every stage, explain, draw_debug and the destructor leave the state of OpenGL at its defaults, and "
-                   "no error pending.",
-       .advice = "Put a StateGuard (gnomon/kit/gl/gl_pass.h) at the beginning of every function that draws, or set back "
-                 "what is named.",
-       .check = gl_state,
-       .applies_to = AppliesTo::drawing,
-       .has_small_pictures = true,
-       .sanitized = Sanitized::nothing},
-  };
+  return {Rule("inputs", inputs, {.has_small_pictures = true, .sanitized = Sanitized::nothing},
+               "Scene and G-buffer in memory stay unchanged.", "Take no const away: copy what has to be changed."),
+          Rule("gl_inputs", gl_inputs,
+               {.applies_to = AppliesTo::drawing, .has_small_pictures = true, .sanitized = Sanitized::nothing},
+               "OpenGL buffers and textures of scene and G-buffer stay unchanged, and so do textures of others.",
+               "Write to objects of your own only: look for a framebuffer, an image unit or a storage binding that still holds "
+               "somebody else's name."),
+          Rule("gl_state", gl_state,
+               {.applies_to = AppliesTo::drawing, .has_small_pictures = true, .sanitized = Sanitized::nothing},
+               "Every stage, explain, draw_debug and the destructor leave the state of OpenGL at its defaults, and no error "
+               "pending.",
+               "Put a StateGuard (gnomon/kit/gl/gl_pass.h) at the beginning of every function that draws, or set back what is "
+               "named.")};
 }
 
 }  // namespace gnomon::conformance

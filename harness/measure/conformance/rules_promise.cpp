@@ -24,19 +24,18 @@ Tally tally(const std::vector<float>& mask, const World::Truthful& truth, const 
     if (why && !why->covered && !takes_all) continue;
     ++t.tested;
     t.dark += truth.mask[i] < 0.5f;
-    // Stricter than a metric: who promises answers with no half, over a dark truth neither.
+    // Stricter than a metric: an answer of one half is wrong, also over a dark truth.
     const bool is_wrong = std::abs(mask[i] - truth.mask[i]) >= 0.5f;
     if (is_wrong && t.wrong++ == 0) t.first_wrong = i;
   }
   return t;
 }
 
-// Zero wrong pixels on every generated scene, both lights; and what is not covered must not hide behind the promise.
+// Zero wrong pixels in every scene, under both lights. With full support every tested pixel must be covered.
 void exact(Trial& trial) {
   std::size_t tested = 0, dark = 0;
   for (const char* reference : {"sphere_over_plane", "box_city:count=30", "soup:count=200", "fence", "contact"}) {
-    trial.at(reference);
-    const auto w = trial.world(reference);
+    const auto w = trial.enter(reference);
     const GBuffer gbuffer = w->gbuffer(w->scene.views[0], 160, 90);
     for (const Light& light : w->scene.lights) {
       const Support support = trial.support(w->scene, light);
@@ -62,13 +61,12 @@ void exact(Trial& trial) {
   trial.expect(dark > 1000, fmt::format("{} dark pixels in all: too few to judge by", dark));  // the scenes do have shadows
 }
 
-// Under lights with area exact means: within 4 standard errors of the reference, but for as many pixels as these errors are
-// themselves uncertain by, and nowhere beyond 12.
+// Under lights with area exact means: within 4 standard errors of the reference, except at as many pixels as chance allows, and
+// nowhere beyond 12.
 void exact_soft(Trial& trial) {
   std::size_t penumbra = 0, tested = 0;
   for (const char* reference : {"sphere_over_plane:segments=24", "box_city:count=12", "soup:count=60"}) {
-    trial.at(reference);
-    const auto w = trial.world(reference);
+    const auto w = trial.enter(reference);
     const GBuffer gbuffer = w->gbuffer();
     for (const Light& light : trial.supported_lights(w->scene)) {
       if (!has_area(light)) continue;
@@ -99,10 +97,10 @@ void exact_soft(Trial& trial) {
   trial.expect(penumbra > 1000, fmt::format("{} pixels of penumbrae in all: too few to judge by", penumbra));
 }
 
-/// How far off a technique of samples is, and how far the absence of shadows: wrong pixels, or errors summed up.
+/// The error of a sampled technique and of a mask without shadows: a count of wrong pixels, or a sum of errors.
 struct ErrorSums {
   double technique = 0, unshadowed = 0;
-  double quarter = 0;                 ///< of the latter: what may not be reached where nothing is promised
+  double quarter = 0;                 ///< of the latter: the upper limit where nothing is promised
   std::size_t tested = 0, first = 0;  ///< the first pixel that is wrong, or the worst
 };
 
@@ -125,13 +123,12 @@ void expect_worth(Trial& trial, const Support& support, const ErrorSums& off) {
                             100 * *promised, 100 * off.unshadowed / static_cast<double>(std::max<std::size_t>(off.tested, 1))));
 }
 
-// At its defaults a technique of samples errs on less than a quarter of what the absence of shadows errs on, where it covers
-// the point; or no more than it promises of all points, in further scenes, too.
+// At its defaults a sampled technique is wrong at less than a quarter of the covered pixels at which a mask without shadows is
+// wrong. One that promises a share of wrong pixels keeps it over all pixels, also in further scenes.
 void better_than_nothing(Trial& trial) {
   std::size_t tested = 0;
   for (const char* reference : {"sphere_over_plane", "box_city:count=30", "fence", "contact"}) {
-    trial.at(reference);
-    const auto w = trial.world(reference);
+    const auto w = trial.enter(reference);
     const GBuffer gbuffer = w->gbuffer(w->scene.views[0], 320, 180);
     const bool is_first = tested == 0;
     for (const Light& light : w->scene.lights) {
@@ -153,9 +150,7 @@ void better_than_nothing(Trial& trial) {
 }
 
 void better_than_nothing_soft(Trial& trial) {
-  const char* const reference = "sphere_over_plane";
-  trial.at(reference);
-  const auto w = trial.world(reference);
+  const auto w = trial.enter("sphere_over_plane");
   const GBuffer gbuffer = w->gbuffer(w->scene.views[0], 160, 90);
   std::size_t asked = 0;
   for (const Light& light : trial.supported_lights(w->scene)) {
@@ -186,44 +181,28 @@ void better_than_nothing_soft(Trial& trial) {
 }  // namespace
 
 std::vector<Rule> promise_rules() {
-  return {
-      {.name = "exact",
-       .sentence = "An exact technique is wrong at no tested pixel of five scenes, under every light without area that it "
-                   "supports. With full support it covers all pixels.",
-       .advice = "Look at the pixel that is named: gnomon run with this scene, light and size shows it in the color of "
-                 "its cause. Where the method errs, promise Promise::sampled; where it has no opinion, say "
-                 "Support::approximate and covered = false.",
-       .check = exact,
-       .applies_to = AppliesTo::exact,
-       .sanitized = Sanitized::nothing},
-      {.name = "exact_soft",
-       .sentence = "Under lights with area an exact technique is within 4 standard errors of the reference, except at as "
-                   "many pixels as chance allows, and within 12 everywhere.",
-       .advice = "See that About::estimates names the share that the mask holds, of the area or of the irradiance. "
-                 "Where the method errs, promise Promise::sampled.",
-       .check = exact_soft,
-       .applies_to = AppliesTo::exact,
-       .sanitized = Sanitized::nothing},
-      {.name = "better_than_nothing",
-       .sentence =
-           "At its defaults a sampled technique has less than a quarter of the wrong pixels that a mask without shadows has; "
-           "one that promises a share of wrong pixels keeps its promise instead.",
-       .advice = "See that the defaults suit a scene of a few meters. One that only approximates says so and what it "
-                 "promises: Support::approximate(why, {.most_wrong = 0.3}), the largest share of tested pixels that is "
-                 "wrong.",
-       .check = better_than_nothing,
-       .applies_to = AppliesTo::sampled,
-       .sanitized = Sanitized::nothing},
-      {.name = "better_than_nothing_soft",
-       .sentence =
-           "Under lights with area a sampled technique has less than a quarter of the mean error that a mask without shadows "
-           "has; one that promises a bound keeps its promise instead.",
-       .advice = "See that About::estimates names the share that the mask holds, and that the defaults suit a scene of "
-                 "a few meters. One that only approximates says what it promises, as with better_than_nothing.",
-       .check = better_than_nothing_soft,
-       .applies_to = AppliesTo::sampled,
-       .sanitized = Sanitized::nothing},
-  };
+  return {Rule("exact", exact, {.applies_to = AppliesTo::exact, .sanitized = Sanitized::nothing},
+               "An exact technique is wrong at no tested pixel of five scenes, under every light without area that it "
+               "supports. With full support it covers all pixels.",
+               "Look at the pixel that is named: gnomon run with this scene, light and size shows it in the color of its "
+               "cause. Where the method errs, promise Promise::sampled; where it has no opinion, say Support::approximate and "
+               "covered = false."),
+          Rule("exact_soft", exact_soft, {.applies_to = AppliesTo::exact, .sanitized = Sanitized::nothing},
+               "Under lights with area an exact technique is within 4 standard errors of the reference, except at as many "
+               "pixels as chance allows, and within 12 everywhere.",
+               "See that About::estimates names the share that the mask holds, of the area or of the irradiance. Where the "
+               "method errs, promise Promise::sampled."),
+          Rule("better_than_nothing", better_than_nothing, {.applies_to = AppliesTo::sampled, .sanitized = Sanitized::nothing},
+               "At its defaults a sampled technique has less than a quarter of the wrong pixels that a mask without shadows "
+               "has; one that promises a share of wrong pixels keeps its promise instead.",
+               "See that the defaults suit a scene of a few meters. One that only approximates says so and what it promises: "
+               "Support::approximate(why, {.most_wrong = 0.3}), the largest share of tested pixels that is wrong."),
+          Rule("better_than_nothing_soft", better_than_nothing_soft,
+               {.applies_to = AppliesTo::sampled, .sanitized = Sanitized::nothing},
+               "Under lights with area a sampled technique has less than a quarter of the mean error that a mask without "
+               "shadows has; one that promises a bound keeps its promise instead.",
+               "See that About::estimates names the share that the mask holds, and that the defaults suit a scene of a few "
+               "meters. One that only approximates says what it promises, as with better_than_nothing.")};
 }
 
 }  // namespace gnomon::conformance

@@ -7,8 +7,6 @@
 
 namespace gnomon::conformance {
 
-std::unique_ptr<World> Trial::world(const std::string& reference) const { return world(generated_scene(reference)); }
-
 Support Trial::support(const Scene& scene, const Light& light, const std::string& settings) const {
   return made(settings)->supports(scene, light, scene.views[0]);
 }
@@ -19,10 +17,7 @@ std::vector<Light> Trial::supported_lights(const Scene& scene, const std::string
   return lights;
 }
 
-void Trial::under_each_light(const std::string& reference,
-                             const std::function<void(const World&, const GBuffer&, const Light&)>& check) {
-  at(reference);
-  const auto w = world(reference);
+void Trial::under_each_light(std::unique_ptr<World> w, const CheckLight& check) {
   const GBuffer gbuffer = w->gbuffer();
   for (const Light& light : supported_lights(w->scene)) {
     at(light);
@@ -93,11 +88,8 @@ void Trial::expect_same(const std::vector<float>& a, const std::vector<float>& b
                         const GBuffer* gbuffer) {
   if (a.size() != b.size()) return found(fmt::format("{}: {} and {} values", when, a.size(), b.size()));
   std::size_t count = 0, first = 0;
-  for (std::size_t i = a.size(); i-- > 0;) {
-    if (std::bit_cast<std::uint32_t>(a[i]) == std::bit_cast<std::uint32_t>(b[i])) continue;
-    ++count;
-    first = i;
-  }
+  for (std::size_t i = 0; i < a.size(); ++i)
+    if (std::bit_cast<std::uint32_t>(a[i]) != std::bit_cast<std::uint32_t>(b[i]) && count++ == 0) first = i;
   if (count == 0) return;
   std::string what =
       fmt::format("{}: {} of {} values differ, the first is {} and {}", when, count, a.size(), a[first], b[first]);
@@ -117,13 +109,16 @@ void Trial::expect_mask(const std::vector<float>& mask, const Scene& scene, cons
 
 Verdict Trial::verdict() const {
   Verdict verdict = verdict_;
-  if (verdict.finding_count > 0) {
-    verdict.kind = Verdict::Kind::fails;
-    verdict.why.clear();
-  } else if (!verdict.why.empty()) {
-    verdict.kind = Verdict::Kind::does_not_apply;
-  }
+  if (verdict.finding_count > 0) verdict.why.clear();
+  verdict.kind = verdict.finding_count > 0 ? Verdict::Kind::fails
+                 : verdict.why.empty()     ? Verdict::Kind::holds
+                                           : Verdict::Kind::does_not_apply;
   return verdict;
+}
+
+double counted_bytes(const Counts& counts) {
+  const auto found = std::ranges::find(counts, "bytes", &Count::name);
+  return found == counts.end() ? 0 : found->value;
 }
 
 std::vector<std::string> settings_of(const TechniqueEntry& entry, const std::function<bool(const Parameter&)>& wanted) {

@@ -11,7 +11,7 @@
 
 namespace gnomon::conformance {
 
-/// One technique before one rule: fresh objects of it, the worlds that it is asked in, and what was found.
+/// One technique before one rule: fresh objects of it, the worlds that it is checked in, and what was found.
 class Trial {
  public:
   explicit Trial(const Rule& rule, const TechniqueEntry& entry, std::function<void(const Place&)> moves = {})
@@ -22,30 +22,38 @@ class Trial {
   /// Under the sanitizers, where the rule leaves out a part.
   bool is_short() const { return is_sanitized && rule_.sanitized == Sanitized::part; }
 
-  std::unique_ptr<World> world(const std::string& reference) const;
-  /// Under the sanitizers its pictures are half as wide and half as high: what they look for is in every pixel.
+  /// Of a generated scene.
+  std::unique_ptr<World> world(const std::string& reference) const { return world(generated_scene(reference)); }
+  /// Under the sanitizers, whose findings do not depend on the size, its pictures are half as wide and half as high.
   std::unique_ptr<World> world(Scene scene) const {
     return std::make_unique<World>(std::move(scene), entry_.about.sees, is_sanitized ? 2 : 1);
   }
 
   // Where the rule's pictures may be small, the settings of these are with_small_pictures.
-  /// The answer of a fresh object, as everything else asks: before it runs.
+  /// What a fresh object supports, queried before it runs.
   Support support(const Scene& scene, const Light& light, const std::string& settings = "") const;
   std::vector<Light> supported_lights(const Scene& scene, const std::string& settings = "") const;
 
+  using CheckLight = std::function<void(World& world, const GBuffer& gbuffer, const Light& light)>;
   /// Calls `check` for the first view of a generated scene and each light of it that the technique supports.
-  void under_each_light(const std::string& reference,
-                        const std::function<void(const World& world, const GBuffer& gbuffer, const Light& light)>& check);
+  void under_each_light(const std::string& reference, const CheckLight& check) { under_each_light(enter(reference), check); }
+  /// The same in a world that the trial has entered.
+  void under_each_light(std::unique_ptr<World> world, const CheckLight& check);
 
   std::unique_ptr<Technique> set_up(const std::string& settings = "") const;
-  /// In a mask that holds nonsense until the technique has written every pixel of it, in memory or in its texture.
+  /// Starts from a mask of nonsense, in memory or in its texture, of which the technique must write every pixel.
   std::vector<float> resolve(Technique& technique, const GBuffer& gbuffer) const;
   std::vector<float> answer(Technique& technique, const Scene& scene, const Light& light, const GBuffer& gbuffer) const;
   std::vector<float> fresh_answer(const Scene& scene, const Light& light, const GBuffer& gbuffer,
                                   const std::string& settings = "") const;
 
-  /// From here on it is asked there.
+  /// The place of what is checked from here on.
   void at(std::string scene, std::string settings = "");
+  /// The same for a generated scene; returns its world.
+  std::unique_ptr<World> enter(const std::string& reference) {
+    at(reference);
+    return world(reference);
+  }
   /// The same scene and settings under this light.
   void at(const Light& light);
 
@@ -60,14 +68,14 @@ class Trial {
   /// Every value is a share of light, and 1 where there is nothing to decide (classes B and F).
   void expect_mask(const std::vector<float>& mask, const Scene& scene, const GBuffer& gbuffer, const Light& light);
 
-  /// Ends nothing; counts where nothing was found.
+  /// Ends nothing. Findings outweigh it.
   void does_not_apply(std::string why) { verdict_.why = std::move(why); }
   Verdict verdict() const;
 
  private:
   void add(Finding finding);
   std::unique_ptr<Technique> made(const std::string& settings) const;
-  /// The settings that it is asked with for these. Found once: later the device may pretend that it can do less.
+  /// The settings with which it is checked in place of these. Found once: later the device may pretend that it can do less.
   const std::string& asked_with(const std::string& settings) const;
 
   const Rule& rule_;
@@ -78,23 +86,17 @@ class Trial {
   Verdict verdict_;
 };
 
-/// "" and "a=1" for every probe of every parameter that is wanted.
+/// The count that is named bytes; 0 without it.
+double counted_bytes(const Counts& counts);
+/// "" and "a=1" for every probe of every parameter for which `wanted` is true.
 std::vector<std::string> settings_of(const TechniqueEntry& entry, const std::function<bool(const Parameter&)>& wanted = {});
-/// The same with 128 texels a side for a picture of the technique's own, such as a map of 1024, unless its size is among what
-/// is set: as good for what the light does to pictures of 96 x 54 pixels, and drawn soon. With 256 or 512, or as it is, where
-/// it would support less.
+/// The settings with 128 texels a side for a picture of the technique's own, such as a map of 1024, unless they set its size:
+/// that is enough for pictures of 96 x 54 pixels, and drawn faster. With 256 or 512 texels, or unchanged, where the technique
+/// would support less.
 std::string with_small_pictures(const TechniqueEntry& entry, const std::string& settings);
 
 // The rules of each file.
-std::vector<Rule> about_rules();
-std::vector<Rule> answer_rules();
-std::vector<Rule> life_rules();
-std::vector<Rule> light_rules();
-std::vector<Rule> neighbor_rules();
-std::vector<Rule> limit_rules();
-std::vector<Rule> memory_rules();
-std::vector<Rule> cause_rules();
-std::vector<Rule> promise_rules();
-std::vector<Rule> scale_rules();
+std::vector<Rule> about_rules(), answer_rules(), promise_rules(), cause_rules(), life_rules(), light_rules(), neighbor_rules(),
+    limit_rules(), scale_rules(), memory_rules();
 
 }  // namespace gnomon::conformance

@@ -1,18 +1,17 @@
 #pragma once
+#include <gnomon/kit/rays/gbuffer_maker.h>
 #include <gnomon/kit/rays/rays.h>
 #include <gnomon/technique.h>
 
-#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "measure/frame/frame.h"
-#include "measure/frame/gbuffer_maker.h"
 
 namespace gnomon::conformance {
 
-/// A rule cannot be asked, for a reason that is not the technique's.
+/// A rule cannot be checked, for a reason outside the technique.
 class CannotAsk : public Error {
   using Error::Error;
 };
@@ -23,14 +22,13 @@ Scene generated_scene(const std::string& reference);
 /// The frames of a scene in the folder of references, see World.
 FrameStore frames_of(const Scene& scene);
 
-/// A scene, and what rays say of it under the truth of the geometry that a technique sees.
+/// A scene, and its reference under the truth of the geometry that a technique sees.
 ///
-/// References are kept for other processes in the folder $GNOMON_CONFORMANCE_FRAMES, where that is set: in one of its own for
-/// each build of the program, so that none is of other code. Who sets it empties it (tests/CMakeLists.txt). Without it each
-/// process makes its own.
+/// References are kept for other processes in the folder $GNOMON_CONFORMANCE_FRAMES, where that is set, in a separate subfolder
+/// for each build of the program. Whoever sets it empties it (tests/CMakeLists.txt). Without it each process makes its own.
 class World {
  public:
-  /// Pictures are made so many times less wide and less high than they are asked for.
+  /// Width and height of pictures are divided by `part`.
   World(Scene the_scene, Truth the_truth, int part = 1);
   World(const World&) = delete;
 
@@ -51,7 +49,7 @@ class World {
  private:
   int part_;
   RayScene everything_;
-  std::optional<FrameStore> frames_;  ///< made when the first reference is asked for
+  std::optional<FrameStore> frames_;  ///< made with the first reference
 };
 
 /// The lights of a generated scene, `point` and `sun`, and one of each other kind around the point light.

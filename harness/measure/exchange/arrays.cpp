@@ -19,8 +19,7 @@ std::string header_of(const ArrayParts& array) {
   for (const std::size_t n : array.shape) shape += fmt::format("{}, ", n);
   std::string header("\x93NUMPY\x01\x00", 8);
   constexpr std::size_t rest = array_offset - 10;
-  header += static_cast<char>(rest % 256);
-  header += static_cast<char>(rest / 256);
+  header += {static_cast<char>(rest % 256), static_cast<char>(rest / 256)};
   header +=
       fmt::format("{{'descr': '<{}', 'fortran_order': False, 'shape': ({})}}", array.type == "float32" ? "f4" : "u4", shape);
   if (header.size() >= array_offset) throw Error("an array of {} dimensions has no room for its shape", array.shape.size());

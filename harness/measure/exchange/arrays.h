@@ -3,7 +3,6 @@
 #include <filesystem>
 #include <initializer_list>
 #include <span>
-#include <string>
 #include <vector>
 
 #include "measure/json.h"
@@ -28,11 +27,11 @@ ArrayParts array_of(std::vector<std::size_t> shape, std::initializer_list<std::s
   return array;
 }
 
-/// Writes it, as a new file where there is one of that name, and answers {"file", "type", "shape", "offset"}, the file by its
+/// Writes it, as a new file where there is one of that name, and returns {"file", "type", "shape", "offset"}, the file by its
 /// whole path. Throws Error when the parts do not fill the shape, or the file cannot be written.
 Json write_array(const std::filesystem::path& file, const ArrayParts& array);
 
-/// 64-bit hash of the numbers: tells whether a file holds them already.
+/// 64-bit hash of shape and numbers, by which a caller recognizes a file that already contains them.
 std::uint64_t hash_of(const ArrayParts& array);
 
 }  // namespace gnomon

@@ -3,8 +3,6 @@
 #include <gnomon/kit/geometry/across.h>
 #include <gnomon/kit/geometry/camera.h>
 
-#include <cstring>
-
 #include "measure/scene/blob.h"
 #include "measure/scene/scene_json.h"
 
@@ -50,7 +48,7 @@ class GltfWriter {
       json_["extensions"]["KHR_lights_punctual"]["lights"] = punctual_;
     }
     for (const char* list : {"meshes", "materials", "accessors", "bufferViews", "cameras"})
-      if (json_[list].empty()) json_.erase(list);  // the format wants no empty lists
+      if (json_[list].empty()) json_.erase(list);  // the format allows no empty lists
   }
 
   void write(const std::filesystem::path& file) {
@@ -117,14 +115,12 @@ class GltfWriter {
     Json node = json_object({{"name", light.name}, {"extras", scene_json(light)}});
     Json facts = json_object(
         {{"name", light.name}, {"type", kind_name(light)}, {"intensity", number_json(lumens_per_watt * light.intensity)}});
-    if (const auto* point = std::get_if<PointLight>(&light.kind)) {
-      node["translation"] = number_json(point->position);
-    } else if (const auto* spot = std::get_if<SpotLight>(&light.kind)) {
+    if (const auto* point = std::get_if<PointLight>(&light.kind)) node["translation"] = number_json(point->position);
+    if (const auto* sun = std::get_if<DirectionalLight>(&light.kind)) node["matrix"] = looking(sun->direction, glm::dvec3(0));
+    if (const auto* spot = std::get_if<SpotLight>(&light.kind)) {
       node["matrix"] = looking(spot->direction, spot->position);
       facts["spot"] = json_object({{"innerConeAngle", glm::radians(static_cast<double>(spot->inner_degrees))},
                                    {"outerConeAngle", glm::radians(static_cast<double>(spot->outer_degrees))}});
-    } else if (const auto* sun = std::get_if<DirectionalLight>(&light.kind)) {
-      node["matrix"] = looking(sun->direction, glm::dvec3(0));
     }
     if (!has_area(light)) {
       node["extensions"]["KHR_lights_punctual"]["light"] = punctual_.size();
@@ -133,7 +129,7 @@ class GltfWriter {
     json_["nodes"].push_back(node);
   }
 
-  /// Cameras of the format need a near plane; a thousandth of the scene is before everything.
+  /// Cameras of the format require a near plane: at a thousandth of the scene's extent, which cuts nothing off.
   double near() const {
     const double size = scene_.bounds().extent();
     return size > 0 ? size / 1000 : 0.001;

@@ -6,9 +6,9 @@
 namespace gnomon {
 
 /// Writes a scene as glTF 2.0, FILE and beside it its numbers as .bin: meshes with their triangles and colors, views as
-/// cameras, lights without area by KHR_lights_punctual. What glTF has no words for stands in `extras` under the keys of a scene
-/// file: of every light and view its exact numbers, of a mesh whether it casts and receives, and its shape. Throws Error when a
-/// file cannot be written.
+/// cameras, lights without area by KHR_lights_punctual. What glTF cannot express is in `extras` under the keys of a scene file:
+/// of every light and view its exact numbers, of a mesh whether it casts and receives, and its shape. Throws Error when a file
+/// cannot be written.
 void write_gltf(const std::filesystem::path& file, const Scene& scene);
 
 }  // namespace gnomon

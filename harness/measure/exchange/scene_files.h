@@ -16,7 +16,7 @@ using Arrays = std::map<std::string, ArrayParts>;
 /// arrays their vertices and triangles are), lights, views.
 Json scene_facts_json(const Scene& scene);
 
-/// All meshes of a scene behind each other. `position`: float32, vertices x 3, meters. `triangle`: uint32, triangles x 3,
+/// All meshes of a scene, one after the other. `position`: float32, vertices x 3, meters. `triangle`: uint32, triangles x 3,
 /// indices into `position`. `mesh`: uint32, the mesh of each triangle.
 class SceneArrays {
  public:
@@ -36,8 +36,8 @@ Arrays gbuffer_arrays(const GBuffer& gbuffer);
 /// The same as an EXR of float channels: position.X, .Y, .Z, normal.X, .Y, .Z, mesh (-1: background), triangle.
 void write_gbuffer_exr(const std::filesystem::path& file, const GBuffer& gbuffer);
 
-/// Writes WHAT_NAME.npy for each, "gbuffer_position.npy" of "gbuffer", into a folder that is there. Answers what write_array
-/// says of each under its name.
+/// Writes each array to WHAT_NAME.npy, such as "gbuffer_position.npy", in a folder that exists. Returns for each name what
+/// write_array returns.
 Json write_arrays(const std::filesystem::path& folder, const std::string& what, const Arrays& arrays);
 
 }  // namespace gnomon

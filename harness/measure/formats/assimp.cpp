@@ -1,4 +1,4 @@
-// All formats that have no reader of their own, by assimp: which losses it has is not known, and the notes of the file say so.
+// All formats that have no reader of their own, by assimp. Its losses are unknown, and the notes of the file say so.
 #include <assimp/DefaultIOSystem.h>
 #include <assimp/MemoryIOWrapper.h>
 #include <assimp/config.h>
@@ -8,21 +8,24 @@
 #include <assimp/DefaultLogger.hpp>
 #include <assimp/Importer.hpp>
 #include <assimp/LogStream.hpp>
+#include <glm/gtc/type_ptr.hpp>
 #include <new>
 
-#include "measure/formats/foreign_checks.h"
 #include "measure/formats/readers.h"
+#include "measure/formats/text_lines.h"
 
 namespace gnomon::importing {
 namespace {
 
-/// Files that an import names are files: a pipe, or a device, may never end.
+namespace fs = std::filesystem;
+
+/// Opens regular files alone: a pipe or a device may never end.
 class RegularFiles : public Assimp::DefaultIOSystem {
  public:
   explicit RegularFiles(const ReadFile& read) : read_(read) {}
   bool Exists(const char* name) const override {
     std::error_code code;
-    return std::filesystem::is_regular_file(name, code);
+    return fs::is_regular_file(name, code);
   }
   Assimp::IOStream* Open(const char* name, const char*) override {
     if (!Exists(name)) return nullptr;
@@ -37,35 +40,31 @@ class RegularFiles : public Assimp::DefaultIOSystem {
   const ReadFile& read_;
 };
 
-/// Assimp repairs some damage without a word but for its log (an index out of range is replaced): keep what is about indices.
+/// Keeps the first complaint about indices: assimp repairs some damage, such as an index out of range, and reports it in its
+/// log alone.
 class Complaints : public Assimp::LogStream {
  public:
   explicit Complaints(std::string& first) : first_(first) {}
   void write(const char* message) override {
     const std::string_view words = message;
     const auto speaks_of = [&](std::string_view what) { return words.find(what) != words.npos; };
-    const bool is_error = words.starts_with("Error");
-    if ((is_error && speaks_of("range")) || speaks_of("ertex index") || speaks_of("ndex overflow in MDL"))
-      if (first_.empty()) first_ = message;
+    const bool is_out_of_range = words.starts_with("Error") && speaks_of("range");
+    if (first_.empty() && (is_out_of_range || speaks_of("ertex index") || speaks_of("ndex overflow in MDL"))) first_ = message;
   }
 
  private:
   std::string& first_;
 };
 
-glm::dmat4 widened(const aiMatrix4x4& m) {
-  glm::dmat4 wide;
-  for (unsigned row = 0; row < 4; ++row)
-    for (unsigned column = 0; column < 4; ++column) wide[static_cast<int>(column)][static_cast<int>(row)] = m[row][column];
-  return wide;
-}
+/// Assimp stores rows one after the other.
+glm::dmat4 widened(const aiMatrix4x4& m) { return glm::dmat4(glm::transpose(glm::make_mat4(&m.a1))); }
 
 void read_material(const aiScene& scene, unsigned index, ImportedMesh& raw) {
   if (index >= scene.mNumMaterials) return;
   const aiMaterial& material = *scene.mMaterials[index];
   aiString name;
   aiColor4D color;
-  // What importers make up for files without materials has this name, or none.
+  // Importers invent a material of this name, or of none, for files without materials.
   const bool invented = material.Get(AI_MATKEY_NAME, name) != AI_SUCCESS || name == aiString(AI_DEFAULT_MATERIAL_NAME);
   raw.has_color = !invented && aiGetMaterialColor(&material, AI_MATKEY_COLOR_DIFFUSE, &color) == AI_SUCCESS;
   if (raw.has_color) raw.color = {color.r, color.g, color.b};
@@ -92,9 +91,85 @@ void add_meshes(const aiScene& scene, const aiNode& node, const glm::dmat4& worl
   for (unsigned i = 0; i < node.mNumChildren; ++i) add_meshes(scene, *node.mChildren[i], world_from_mesh, answer);
 }
 
+/// Chunks of a 3DS file: an id of 16 bits, a length of 32 bits that includes these six bytes, then the contents.
+class Chunks {
+ public:
+  Chunks(const fs::path& file, std::string_view bytes) : file_(file), rest_(bytes) {}
+
+  /// Whether there is one more; throws Error where it is longer than its container.
+  bool next() {
+    if (rest_.size() < header) return false;
+    id_ = word_at(rest_, 0) & 0xffff;
+    const std::size_t size = word_at(rest_, 2);
+    if (size < header || size > rest_.size())
+      throw Error("{}: chunk {:#x} of {} bytes lies in {} bytes; it is damaged", file_.string(), id_, size, rest_.size());
+    body_ = rest_.substr(header, size - header);
+    rest_.remove_prefix(size);
+    return true;
+  }
+  std::uint32_t id() const { return id_; }
+  std::string_view body() const { return body_; }
+  Chunks inner() const { return {file_, body_}; }
+  /// Of a list that follows a count of 16 bits.
+  std::size_t count(std::size_t item_size) const {
+    const std::size_t items = word_at(body_, 0) & 0xffff;
+    if (body_.size() < 2 || items * item_size > body_.size() - 2)
+      throw Error("{}: chunk {:#x} declares {} items in {} bytes; it is truncated", file_.string(), id_, items, body_.size());
+    return items;
+  }
+
+ private:
+  static constexpr std::size_t header = 6;
+  const fs::path& file_;
+  std::string_view rest_, body_;
+  std::uint32_t id_ = 0;
+};
+
+/// A list of faces may precede that of the vertices.
+void check_mesh(const std::string& where, Chunks chunks) {
+  std::size_t vertex_count = 0, face_count = 0;
+  std::string_view faces;
+  while (chunks.next()) {
+    if (chunks.id() == 0x4110) vertex_count = chunks.count(12);
+    if (chunks.id() == 0x4120) {
+      face_count = chunks.count(8);
+      faces = chunks.body().substr(2);
+    }
+  }
+  for (std::size_t f = 0; f < face_count; ++f)
+    for (std::size_t k = 0; k < 3; ++k) need_vertex(where, f, word_at(faces, 8 * f + 2 * k) & 0xffff, vertex_count);
+}
+
+void check_3ds(const fs::path& file, std::string_view bytes) {
+  if (bytes.size() < word_at(bytes, 2))  // the outermost chunk is the file
+    throw Error("{}: is {} bytes long but declares {}; it is truncated", file.string(), bytes.size(), word_at(bytes, 2));
+  Chunks top(file, bytes);
+  if (!top.next() || top.id() != 0x4d4d) return;  // the importer refuses it
+  for (Chunks main = top.inner(); main.next();) {
+    if (main.id() != 0x3d3d) continue;
+    for (Chunks editor = main.inner(); editor.next();) {
+      if (editor.id() != 0x4000) continue;
+      const std::size_t name = std::min(editor.body().find('\0'), editor.body().size());
+      const std::string where = fmt::format("{}: mesh '{}'", file.string(), editor.body().substr(0, name));
+      for (Chunks object(file, editor.body().substr(std::min(name + 1, editor.body().size()))); object.next();)
+        if (object.id() == 0x4100) check_mesh(where, object.inner());
+    }
+  }
+}
+
+/// Finds damage that assimp does not see. Throws Error where a 3DS file is shorter than it declares or a face names a vertex
+/// that is not there, and where an IFC file has no end: importers fill what is missing with what they read last, and mend
+/// indices in silence.
+void check_foreign(const fs::path& file, const ReadFile& read) {
+  const std::string extension = lower(file.extension().string());
+  if (extension == ".3ds") check_3ds(file, read(file));
+  if (extension == ".ifc" && read(file).rfind("END-ISO-10303-21;") == std::string::npos)
+    throw Error("{}: does not end in END-ISO-10303-21; it is truncated", file.string());
+}
+
 }  // namespace
 
-MeshFile read_by_assimp(const std::filesystem::path& file, const ReadFile& read) {
+MeshFile read_by_assimp(const fs::path& file, const ReadFile& read) {
   check_foreign(file, read);
   MeshFile answer;
   std::string complaint;

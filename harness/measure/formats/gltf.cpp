@@ -1,10 +1,13 @@
-// glTF 2.0: the nodes of the default scene with their meshes, cameras and lights, as they stand in the file.
+// glTF 2.0: the nodes of the default scene with their meshes, cameras and lights, as they are in the file.
 // Source: Khronos, glTF 2.0 specification (ISO/IEC 12113:2022); KHR_lights_punctual, KHR_mesh_quantization,
 // EXT_mesh_gpu_instancing.
-#include <algorithm>
+#include <gnomon/light.h>
+
 #include <glm/gtc/quaternion.hpp>
+#include <glm/gtc/type_ptr.hpp>
 #include <numbers>
 #include <optional>
+#include <set>
 
 #include "measure/formats/gltf_mesh.h"
 #include "measure/formats/readers.h"
@@ -30,11 +33,10 @@ class SceneReader {
     for (const std::size_t n : order_) {
       const Json& node = file_.item("nodes", n);
       const std::string where = fmt::format("node {}", n);
-      if (hidden_[n]) {
+      if (hidden_[n])
         hidden_count_ += node.contains("mesh") || file_.extension_of(node, "KHR_lights_punctual");
-      } else if (const auto mesh = file_.index(node, where, "mesh")) {
+      else if (const auto mesh = file_.index(node, where, "mesh"))
         meshes.add(n, *mesh, instances(node, n));
-      }
       if (const auto camera = file_.index(node, where, "camera")) add_camera(node, n, *camera);
       if (const Json* light = file_.extension_of(node, "KHR_lights_punctual"); light && !hidden_[n])
         if (const auto index = file_.index(*light, where, "light")) add_light(node, n, *index);
@@ -48,11 +50,7 @@ class SceneReader {
   glm::dmat4 matrix_of(std::size_t n) const {
     const Json& node = file_.item("nodes", n);
     const std::string where = fmt::format("node {}", n);
-    if (const std::vector<double> m = file_.numbers(node, where, "matrix", 16); !m.empty()) {
-      glm::dmat4 matrix;
-      for (int k = 0; k < 16; ++k) matrix[k / 4][k % 4] = m[static_cast<std::size_t>(k)];
-      return matrix;
-    }
+    if (const std::vector<double> m = file_.numbers(node, where, "matrix", 16); !m.empty()) return glm::make_mat4(m.data());
     const std::vector<double> t = file_.numbers(node, where, "translation", 3), r = file_.numbers(node, where, "rotation", 4),
                               s = file_.numbers(node, where, "scale", 3);
     return moved(t.empty() ? glm::dvec3(0) : glm::dvec3(t[0], t[1], t[2]),
@@ -67,9 +65,7 @@ class SceneReader {
 
   bool is_hidden(const Json& node) const {
     const Json* visibility = file_.extension_of(node, "KHR_node_visibility");
-    if (!visibility) return false;
-    const auto visible = visibility->find("visible");
-    return visible != visibility->end() && visible->is_boolean() && !visible->get<bool>();
+    return visibility && !flag_in(*visibility, "visible", true);
   }
 
   std::vector<std::size_t> children_of(const Json& owner, const std::string& where, const char* key) const {
@@ -82,7 +78,7 @@ class SceneReader {
     return children;
   }
 
-  /// Where every node stands, and the nodes of the default scene from its roots down, children in their order.
+  /// Finds the place of every node, and the nodes of the default scene from its roots down, children in their order.
   void read_tree() {
     const std::size_t none = nodes_.size();
     std::vector<std::size_t> parents(nodes_.size(), none);
@@ -133,24 +129,23 @@ class SceneReader {
     }
   }
 
-  /// Where a node's mesh stands; more than one place by EXT_mesh_gpu_instancing.
+  /// The places of a node's mesh: more than one by EXT_mesh_gpu_instancing.
   std::vector<glm::dmat4> instances(const Json& node, std::size_t n) const {
     const Json* extension = file_.extension_of(node, "EXT_mesh_gpu_instancing");
-    if (!extension) return {nodes_[n]};
-    const auto attributes = extension->find("attributes");
-    if (attributes == extension->end() || !attributes->is_object()) return {nodes_[n]};
+    const Json* attributes = extension ? object_in(*extension, "attributes") : nullptr;
+    if (!attributes) return {nodes_[n]};
     const std::string where = fmt::format("node {}, instances", n);
     const auto read = [&](const char* key, std::size_t width) {
       const auto accessor = file_.index(*attributes, where, key);
       return accessor ? file_.read(*accessor, width) : Numbers{};
     };
     const Numbers t = read("TRANSLATION", 3), r = read("ROTATION", 4), s = read("SCALE", 3);
-    std::optional<std::size_t> told;  // any attribute tells how many there are
+    std::optional<std::size_t> given;  // the same in the accessors of all attributes
     for (const auto& [name, accessor] : attributes->items())
-      if (const auto index = file_.index(*attributes, where, name.c_str()); index && !told)
-        told = file_.index(file_.item("accessors", *index), where, "count");
-    if (!told) return {nodes_[n]};
-    const std::size_t count = *told;
+      if (const auto index = file_.index(*attributes, where, name.c_str()); index && !given)
+        given = file_.index(file_.item("accessors", *index), where, "count");
+    if (!given) return {nodes_[n]};
+    const std::size_t count = *given;
     constexpr std::size_t most = 10'000'000;
     if (count > most) throw Error("{}: {}: {} of them; at most {} are read", file_.name(), where, count, most);
     for (const Numbers* numbers : {&t, &r, &s})
@@ -172,22 +167,19 @@ class SceneReader {
 
   void add_camera(const Json& node, std::size_t n, std::size_t index) {
     const Json& camera = file_.item("cameras", index);
-    const auto perspective = camera.find("perspective");
-    const bool is_perspective = perspective != camera.end() && perspective->is_object();
+    const Json* perspective = object_in(camera, "perspective");
     const std::string where = fmt::format("camera {}", index);
     answer_.cameras.push_back({.name = name_of(node, camera),
                                .eye = glm::dvec3(nodes_[n][3]),
                                .forward = glm::dmat3(nodes_[n]) * glm::dvec3(0, 0, -1),
                                .up = glm::dmat3(nodes_[n]) * glm::dvec3(0, 1, 0),
-                               .fov_y = is_perspective ? file_.number(*perspective, where, "yfov", 0) : 0});
-    used_cameras_.push_back(index);
+                               .fov_y = perspective ? file_.number(*perspective, where, "yfov", 0) : 0});
+    used_cameras_.insert(index);
   }
 
   const Json* light_list() const {
-    const Json* extension = file_.extension("KHR_lights_punctual");
-    if (!extension) return nullptr;
-    const auto lights = extension->find("lights");
-    return lights == extension->end() || !lights->is_array() ? nullptr : &*lights;
+    const Json* extension = file_.extension_of(file_.root(), "KHR_lights_punctual");
+    return extension ? list_in(*extension, "lights") : nullptr;
   }
 
   void add_light(const Json& node, std::size_t n, std::size_t index) {
@@ -204,27 +196,21 @@ class SceneReader {
                                        : ImportedLightKind::other;
     raw.position = glm::dvec3(nodes_[n][3]);
     raw.direction = glm::dmat3(nodes_[n]) * glm::dvec3(0, 0, -1);
-    const auto spot = light.find("spot");
     const Json none = Json::object();
-    const Json& cone = spot != light.end() && spot->is_object() ? *spot : none;
+    const Json* spot = object_in(light, "spot");
+    const Json& cone = spot ? *spot : none;
     raw.inner = file_.number(cone, where, "innerConeAngle", 0);
     raw.outer = file_.number(cone, where, "outerConeAngle", std::numbers::pi / 4);
     raw.intensity = file_.number(light, where, "intensity", 1) / lumens_per_watt;
-    used_lights_.push_back(index);
+    used_lights_.insert(index);
     colored_lights_ += light.contains("color") || light.contains("range");
-  }
-
-  static std::size_t distinct(std::vector<std::size_t> items) {
-    std::ranges::sort(items);
-    return static_cast<std::size_t>(std::unique(items.begin(), items.end()) - items.begin());
   }
 
   void note() {
     answer_.note(meshes_elsewhere_, "nodes with meshes stand outside of the default scene and are left out");
-    answer_.note(file_.count("cameras") - distinct(used_cameras_), "cameras stand at no node of the scene and are left out");
+    answer_.note(file_.count("cameras") - used_cameras_.size(), "cameras stand at no node of the scene and are left out");
     const Json* lights = light_list();
-    answer_.note((lights ? lights->size() : 0) - distinct(used_lights_),
-                 "lights stand at no node of the scene and are left out");
+    answer_.note((lights ? lights->size() : 0) - used_lights_.size(), "lights stand at no node of the scene and are left out");
     answer_.note(hidden_count_, "nodes with meshes or lights are hidden by KHR_node_visibility and left out");
     answer_.note(colored_lights_, "lights have a color or a range, which are not used");
     answer_.note(file_.count("animations"), "animations are not applied: nodes stand as they do in the file");
@@ -235,19 +221,17 @@ class SceneReader {
   std::vector<glm::dmat4> nodes_;   ///< world from node
   std::vector<std::size_t> order_;  ///< nodes of the default scene
   std::vector<bool> hidden_;        ///< by KHR_node_visibility, with all below them
-  std::vector<std::size_t> used_cameras_, used_lights_;
-  std::size_t hidden_count_ = 0, colored_lights_ = 0;
-  std::size_t meshes_elsewhere_ = 0;
+  std::set<std::size_t> used_cameras_, used_lights_;
+  std::size_t hidden_count_ = 0, colored_lights_ = 0, meshes_elsewhere_ = 0;
   MeshFile answer_;
 };
 
 }  // namespace
 
 MeshFile read_gltf(const std::filesystem::path& file, const ReadFile& read) {
-  GltfFile gltf(file, read);
-  if (gltf.is_version_1()) return read_by_assimp(file, read);
   try {
-    return SceneReader(gltf).read();
+    GltfFile gltf(file, read);
+    return gltf.is_version_1() ? read_by_assimp(file, read) : SceneReader(gltf).read();
   } catch (const Json::exception& problem) {
     throw Error("{}: is not sound glTF: {}", file.string(), complaint(problem));
   }

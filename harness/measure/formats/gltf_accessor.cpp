@@ -1,4 +1,5 @@
 // The numbers of glTF's accessors: buffer views with a stride, components of six types, sparse replacements.
+#include <algorithm>
 #include <bit>
 #include <cstring>
 
@@ -9,47 +10,29 @@ namespace {
 
 enum Component : unsigned { int8 = 5120, uint8 = 5121, int16 = 5122, uint16 = 5123, uint32 = 5125, float32 = 5126 };
 
-std::size_t size_of(unsigned component) {
-  return component == int8 || component == uint8 ? 1 : component == int16 || component == uint16 ? 2 : 4;
-}
+std::size_t size_of(unsigned component) { return component <= uint8 ? 1 : component <= uint16 ? 2 : 4; }
 
 double largest_of(unsigned component) {
-  switch (component) {
-    case int8:
-      return 127;
-    case uint8:
-      return 255;
-    case int16:
-      return 32767;
-    case uint16:
-      return 65535;
-    default:
-      return 4294967295.0;
-  }
+  constexpr double largest[] = {127, 255, 32767, 65535};
+  return component <= uint16 ? largest[component - int8] : 4294967295.0;
 }
 
 double component_at(const char* bytes, unsigned component) {
   std::uint32_t bits = 0;
   for (std::size_t k = size_of(component); k-- > 0;) bits = bits << 8 | static_cast<unsigned char>(bytes[k]);
-  switch (component) {
-    case int8:
-      return static_cast<std::int8_t>(bits);
-    case int16:
-      return static_cast<std::int16_t>(bits);
-    case float32:
-      return std::bit_cast<float>(bits);
-    default:
-      return bits;
-  }
+  if (component == int8) return static_cast<std::int8_t>(bits);
+  if (component == int16) return static_cast<std::int16_t>(bits);
+  if (component == float32) return std::bit_cast<float>(bits);
+  return bits;
 }
 
 /// Columns of a matrix begin at multiples of four bytes; no type but MAT2 and MAT3 of small components has gaps.
-struct Shape {
+struct ElementType {
   std::string_view name;
-  std::size_t width, columns;
+  std::size_t width;
 };
-constexpr Shape shapes[] = {{"SCALAR", 1, 1}, {"VEC2", 2, 1}, {"VEC3", 3, 1}, {"VEC4", 4, 1},
-                            {"MAT2", 4, 2},   {"MAT3", 9, 3}, {"MAT4", 16, 4}};
+constexpr ElementType element_types[] = {{"SCALAR", 1}, {"VEC2", 2}, {"VEC3", 3}, {"VEC4", 4},
+                                         {"MAT2", 4},   {"MAT3", 9}, {"MAT4", 16}};
 
 }  // namespace
 
@@ -65,16 +48,14 @@ GltfFile::Layout GltfFile::layout(std::size_t accessor, std::size_t width) const
   const Json& json = item("accessors", accessor);
   Layout layout{.where = fmt::format("accessor {}", accessor)};
   const std::string type = text(json, "type");
-  layout.width = 0;
-  for (const Shape& shape : shapes)
-    if (shape.name == type) layout.width = shape.width;
-  if (layout.width != width || (type == "MAT2") != (width == 4 && type.starts_with("MAT")))
+  const auto found = std::ranges::find(element_types, type, &ElementType::name);
+  layout.width = found == std::end(element_types) ? 0 : found->width;
+  if (layout.width != width)
     throw Error("{}: {} is of type '{}'; {} numbers an element are wanted", name_, layout.where, type, width);
   layout.component = static_cast<unsigned>(index(json, layout.where, "componentType").value_or(0));
   if (layout.component < int8 || layout.component > float32 || layout.component == 5124)
     throw Error("{}: {}: componentType = {} is none of 5120 .. 5123, 5125, 5126", name_, layout.where, layout.component);
-  const auto normalized = json.find("normalized");
-  layout.is_normalized = normalized != json.end() && normalized->is_boolean() && normalized->get<bool>();
+  layout.is_normalized = flag_in(json, "normalized", false);
   layout.count = index(json, layout.where, "count").value_or(0);
   constexpr std::size_t most = std::size_t{1} << 32;
   if (layout.count >= most) throw Error("{}: {}: count = {} is 2^32 or more", name_, layout.where, layout.count);
@@ -117,8 +98,8 @@ void GltfFile::read_sparse(const Json& sparse, const Layout& layout, Numbers& nu
   const std::size_t count = index(sparse, layout.where, "count").value_or(0);
   if (count > numbers.count) throw Error("{}: {} replaces {} elements of {}", name_, layout.where, count, numbers.count);
   const auto bytes_of = [&](const char* key, std::size_t& stride) {
-    const auto part = sparse.find(key);
-    if (part == sparse.end() || !part->is_object()) throw Error("{}: {}: its sparse part has no {}", name_, layout.where, key);
+    const Json* part = object_in(sparse, key);
+    if (!part) throw Error("{}: {}: its sparse part has no {}", name_, layout.where, key);
     const std::string_view bytes = view(index(*part, layout.where, "bufferView").value_or(0), stride);
     return bytes.substr(std::min(index(*part, layout.where, "byteOffset").value_or(0), bytes.size()));
   };
@@ -151,13 +132,12 @@ Numbers GltfFile::read(std::size_t accessor, std::size_t width) const {
     bytes = view(*source, stride);
     const std::size_t begin = index(json, wanted.where, "byteOffset").value_or(0);
     bytes = bytes.substr(std::min(begin, bytes.size()));
-    if (wanted.count > bytes.size())  // before memory is asked for
+    if (wanted.count > bytes.size())  // before memory is allocated
       throw Error("{}: {} declares {} elements, more than its {} bytes hold", name_, wanted.where, wanted.count, bytes.size());
   }
-  numbers.values.resize(wanted.count * width);  // 0 where no bytes stand
+  numbers.values.resize(wanted.count * width);  // 0 without bytes
   if (source) fill(wanted, bytes, stride, wanted.count, numbers.values.data());
-  if (const auto sparse = json.find("sparse"); sparse != json.end() && sparse->is_object())
-    read_sparse(*sparse, wanted, numbers);
+  if (const Json* sparse = object_in(json, "sparse")) read_sparse(*sparse, wanted, numbers);
   return numbers;
 }
 

@@ -2,10 +2,8 @@
 #include "measure/formats/gltf_file.h"
 
 #include <algorithm>
-#include <bit>
-#include <cstring>
 
-#include "measure/formats/little_endian.h"
+#include "measure/formats/readers.h"
 #include "measure/formats/text_lines.h"
 
 namespace gnomon::importing {
@@ -13,13 +11,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// What a file may require: extensions that are read, and those that change materials and textures alone.
+/// What a file may require: extensions that are read, and those that change materials and textures alone. So do all whose names
+/// begin with `material_family`.
 constexpr std::string_view known_extensions[] = {"KHR_lights_punctual",   "KHR_mesh_quantization", "EXT_mesh_gpu_instancing",
                                                  "KHR_texture_transform", "KHR_texture_basisu",    "EXT_texture_webp",
                                                  "EXT_texture_avif",      "MSFT_texture_dds",      "KHR_node_visibility",
                                                  "KHR_techniques_webgl",  "KHR_animation_pointer", "KHR_xmp",
                                                  "KHR_xmp_json_ld"};
-constexpr std::string_view known_families[] = {"KHR_materials_"};
+constexpr std::string_view material_family = "KHR_materials_";
 
 }  // namespace
 
@@ -51,27 +50,19 @@ std::string percent_decoded(std::string_view uri) {
     return c >= '0' && c <= '9' ? c - '0' : c >= 'a' && c <= 'f' ? c - 'a' + 10 : c >= 'A' && c <= 'F' ? c - 'A' + 10 : -1;
   };
   for (std::size_t i = 0; i < uri.size(); ++i) {
-    if (uri[i] == '%' && i + 2 < uri.size() && digit(uri[i + 1]) >= 0 && digit(uri[i + 2]) >= 0) {
-      text.push_back(static_cast<char>(16 * digit(uri[i + 1]) + digit(uri[i + 2])));
-      i += 2;
-    } else {
-      text.push_back(uri[i]);
-    }
+    const bool is_coded = uri[i] == '%' && i + 2 < uri.size() && digit(uri[i + 1]) >= 0 && digit(uri[i + 2]) >= 0;
+    text.push_back(is_coded ? static_cast<char>(16 * digit(uri[i + 1]) + digit(uri[i + 2])) : uri[i]);
+    if (is_coded) i += 2;
   }
   return text;
 }
 
 GltfFile::GltfFile(const fs::path& file, const ReadFile& read) : name_(file.string()) {
-  try {
-    open(file, read);
-    if (is_version_1_) return;
-    check_version();
-    if (is_version_1_) return;
-    check_extensions();
-    read_buffers(file, read);
-  } catch (const Json::exception& problem) {
-    throw Error("{}: is not sound glTF: {}", name_, complaint(problem));
-  }
+  open(file, read);
+  if (!is_version_1_) check_version();
+  if (is_version_1_) return;
+  check_extensions();
+  read_buffers(file, read);
 }
 
 /// GLB: "glTF", version, length; then chunks of a length, a name and so many bytes.
@@ -83,8 +74,7 @@ void GltfFile::open(const fs::path& file, const ReadFile& read) {
     return;
   }
   if (bytes.size() < 20) throw Error("{}: is {} bytes long; a GLB has at least 20", name_, bytes.size());
-  is_version_1_ = word_at(bytes, 4) < 2;
-  if (is_version_1_) return;
+  if (word_at(bytes, 4) < 2) return void(is_version_1_ = true);
   if (word_at(bytes, 4) > 2) throw Error("{}: is GLB of version {}; 2 is read", name_, word_at(bytes, 4));
   const std::size_t size = word_at(bytes, 8);
   if (bytes.size() < size) throw Error("{}: is {} bytes long but declares {}; it is truncated", name_, bytes.size(), size);
@@ -92,10 +82,10 @@ void GltfFile::open(const fs::path& file, const ReadFile& read) {
   std::size_t unknown = 0;
   for (std::size_t at = 12, chunk = 0; at + 8 <= size; ++chunk) {
     const std::size_t length = word_at(bytes, at);
-    const std::string_view kind = std::string_view(bytes).substr(at + 4, 4);
     if (length > size - at - 8)
       throw Error("{}: chunk {} of {} bytes ends after the file; it is truncated", name_, chunk, length);
-    const std::string_view body = std::string_view(bytes).substr(at + 8, length);
+    const std::string_view rest = std::string_view(bytes).substr(at + 4), kind = rest.substr(0, 4),
+                           body = rest.substr(4, length);
     if (chunk == 0 && kind != "JSON") throw Error("{}: its first chunk is not JSON", name_);
     if (chunk == 0) {
       json_ = parse_json(std::string(body), "extras");
@@ -112,16 +102,13 @@ void GltfFile::open(const fs::path& file, const ReadFile& read) {
 
 void GltfFile::check_version() {
   if (!json_.is_object()) throw Error("{}: is not sound glTF: its JSON is no object", name_);
-  // Version 1 need not say so, and keeps objects where 2 has lists.
-  const bool has_objects = json_.contains("nodes") && json_.at("nodes").is_object();
-  if (!json_.contains("asset") || !json_.at("asset").is_object()) {
-    is_version_1_ = has_objects;
-    if (is_version_1_) return;
-    throw Error("{}: has no 'asset' with a version; glTF 2.0 is read", name_);
-  }
-  const Json& asset = json_.at("asset");
-  const std::string version = asset.contains("version") ? plain_text(asset.at("version")) : "",
-                    least = text(asset, "minVersion");
+  // Version 1 need not name its version, and has objects where 2 has lists.
+  const bool has_objects = object_in(json_, "nodes");
+  const Json* asset = object_in(json_, "asset");
+  if (!asset && has_objects) return void(is_version_1_ = true);
+  if (!asset) throw Error("{}: has no 'asset' with a version; glTF 2.0 is read", name_);
+  const std::string version = asset->contains("version") ? plain_text(asset->at("version")) : "",
+                    least = text(*asset, "minVersion");
   is_version_1_ = version.starts_with("1.") || version == "1" || (version.empty() && has_objects);
   if (!is_version_1_ && !version.starts_with("2.") && version != "2")
     throw Error("{}: is glTF of version '{}'; 2.0 is read", name_, version);
@@ -131,9 +118,7 @@ void GltfFile::check_version() {
 void GltfFile::check_extensions() const {
   for (const Json& required : json_.value("extensionsRequired", Json::array())) {
     const std::string extension = plain_text(required);
-    const auto opens = [&](std::string_view family) { return extension.starts_with(family); };
-    if (std::ranges::find(known_extensions, extension) == std::end(known_extensions) &&
-        std::ranges::none_of(known_families, opens))
+    if (std::ranges::find(known_extensions, extension) == std::end(known_extensions) && !extension.starts_with(material_family))
       throw Error("{}: requires the extension '{}', which is not read; those that are: {}", name_, extension,
                   joined(known_extensions));
   }
@@ -162,7 +147,7 @@ void GltfFile::read_buffers(const fs::path& file, const ReadFile& read) {
     } else if (b == 0 && has_binary_) {
       bytes = std::move(binary_);
     } else {
-      continue;  // extensions may fill it: an error where somebody reads it
+      continue;  // extensions may fill it: an error where it is read
     }
     if (bytes.size() < size)
       throw Error("{}: {} holds {} bytes but declares {}; it is truncated", name_, where, bytes.size(), size);
@@ -185,10 +170,8 @@ const Json& GltfFile::item(const char* list, std::size_t index) const {
 }
 
 const Json* GltfFile::extension_of(const Json& owner, const char* extension) const {
-  const auto all = owner.find("extensions");
-  if (all == owner.end() || !all->is_object()) return nullptr;
-  const auto found = all->find(extension);
-  return found == all->end() || !found->is_object() ? nullptr : &*found;
+  const Json* all = object_in(owner, "extensions");
+  return all ? object_in(*all, extension) : nullptr;
 }
 
 std::optional<std::size_t> GltfFile::index(const Json& owner, const std::string& where, const char* key) const {

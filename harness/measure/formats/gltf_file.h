@@ -7,7 +7,7 @@
 
 namespace gnomon::importing {
 
-/// Numbers of an accessor, `width` of them for each of `count` elements, normalized where it says so.
+/// Numbers of an accessor, `width` of them for each of `count` elements, normalized where it requires that.
 struct Numbers {
   std::size_t count = 0, width = 1;
   std::vector<double> values;
@@ -15,22 +15,37 @@ struct Numbers {
   glm::dvec3 vector(std::size_t element) const { return {at(element, 0), at(element, 1), at(element, 2)}; }
 };
 
-/// Opens and checks the file: version, required extensions, sizes of buffers. All errors name the file and the element.
+/// The object or the list of this key; null where there is none, or something else.
+inline const Json* object_in(const Json& owner, const char* key) {
+  const auto found = owner.find(key);
+  return found != owner.end() && found->is_object() ? &*found : nullptr;
+}
+inline const Json* list_in(const Json& owner, const char* key) {
+  const auto found = owner.find(key);
+  return found != owner.end() && found->is_array() ? &*found : nullptr;
+}
+/// The truth value of this key; `otherwise` where there is none.
+inline bool flag_in(const Json& owner, const char* key, bool otherwise) {
+  const auto found = owner.find(key);
+  return found != owner.end() && found->is_boolean() ? found->get<bool>() : otherwise;
+}
+
+/// Opens and checks the file: version, required extensions, sizes of buffers. Throws Json::exception on what is no JSON or not
+/// of its form, and Error, which names the file and the element, on everything else.
 class GltfFile {
  public:
   GltfFile(const std::filesystem::path& file, const ReadFile& read);
 
   const std::string& name() const { return name_; }
-  /// Of version 1, which has another layout: nothing else is read then.
+  /// Of version 1, which has another layout; then nothing else is read.
   bool is_version_1() const { return is_version_1_; }
-  std::vector<std::string>& notes() { return notes_; }
+  const std::vector<std::string>& notes() const { return notes_; }
 
   /// How many items the list of this key has at the top.
   std::size_t count(const char* list) const;
   /// One of them. Throws Error where there is none of this number.
   const Json& item(const char* list, std::size_t index) const;
-  /// The object of an extension, of the file or of one of its items; null without it.
-  const Json* extension(const char* extension) const { return extension_of(json_, extension); }
+  /// The object of an extension, of the root or of one of the items; null without it.
   const Json* extension_of(const Json& owner, const char* extension) const;
 
   /// A whole number, 0 or more, below an owner ("node 3") that may lack it.

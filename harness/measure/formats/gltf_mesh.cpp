@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <glm/gtc/type_ptr.hpp>
+#include <numeric>
 
 namespace gnomon::importing {
 
@@ -13,8 +15,8 @@ struct GltfMeshes::Primitive {
 
 void GltfMeshes::add(std::size_t node, std::size_t index, const std::vector<glm::dmat4>& places) {
   const Json& mesh = file_.item("meshes", index);
-  const auto primitives = mesh.find("primitives");
-  if (primitives == mesh.end() || !primitives->is_array()) throw Error("{}: mesh {} has no primitives", file_.name(), index);
+  const Json* primitives = list_in(mesh, "primitives");
+  if (!primitives) throw Error("{}: mesh {} has no primitives", file_.name(), index);
   const Json& owner = file_.item("nodes", node);
   std::string name = file_.text(mesh, "name");
   if (name.empty()) name = file_.text(owner, "name");
@@ -26,11 +28,9 @@ void GltfMeshes::add(std::size_t node, std::size_t index, const std::vector<glm:
   }
 }
 
-std::size_t GltfMeshes::attribute(const Primitive& primitive, const char* name) const {
-  const auto attributes = primitive.json.find("attributes");
-  constexpr std::size_t none = static_cast<std::size_t>(-1);
-  if (attributes == primitive.json.end() || !attributes->is_object()) return none;
-  return file_.index(*attributes, primitive.where, name).value_or(none);
+std::optional<std::size_t> GltfMeshes::attribute(const Primitive& primitive, const char* name) const {
+  const Json* attributes = object_in(primitive.json, "attributes");
+  return attributes ? file_.index(*attributes, primitive.where, name) : std::nullopt;
 }
 
 namespace {
@@ -53,11 +53,8 @@ void drop_unused_vertices(ImportedMesh& mesh) {
 }  // namespace
 
 void GltfMeshes::add_primitive(const Primitive& primitive, const std::vector<glm::dmat4>& places) {
-  if (attribute(primitive, "POSITION") == static_cast<std::size_t>(-1)) {
-    ++without_positions_;
-    return;
-  }
-  // What many nodes have is read once.
+  if (!attribute(primitive, "POSITION")) return void(++without_positions_);
+  // A primitive of many nodes is read once.
   const std::string key = fmt::format("{} {}", primitive.where, primitive.name);
   const bool is_posed = primitive.node.contains("skin") || primitive.node.contains("weights");
   if (const auto known = known_.find(key); known != known_.end() && !is_posed) {
@@ -72,9 +69,9 @@ void GltfMeshes::add_primitive(const Primitive& primitive, const std::vector<glm
   if (mesh.corner_counts.empty()) return;
   read_material(primitive, mesh);
   const auto skin = file_.index(primitive.node, primitive.where, "skin");
-  if (skin) pose(primitive, *skin, mesh.positions);  // the place of its own node counts for nothing then
-  mesh.places = skin ? std::vector{glm::dmat4(1)} : places;
-  if (!skin && !primitive.node.contains("weights")) known_.emplace(key, answer_.meshes.size());
+  if (skin) pose(primitive, *skin, mesh.positions);
+  mesh.places = skin ? std::vector{glm::dmat4(1)} : places;  // the joints alone place a mesh with a skin
+  if (!is_posed) known_.emplace(key, answer_.meshes.size());
   drop_unused_vertices(mesh);
   answer_.meshes.push_back(std::move(mesh));
 }
@@ -90,7 +87,7 @@ std::vector<double> GltfMeshes::weights(const Primitive& primitive, std::size_t 
 }
 
 std::vector<glm::dvec3> GltfMeshes::positions(const Primitive& primitive) {
-  const std::size_t accessor = attribute(primitive, "POSITION");
+  const std::size_t accessor = *attribute(primitive, "POSITION");
   if (file_.extension_of(primitive.json, "KHR_draco_mesh_compression") &&
       !file_.item("accessors", accessor).contains("bufferView"))
     throw Error("{}: {} is compressed by KHR_draco_mesh_compression, which is not read", file_.name(), primitive.where);
@@ -99,8 +96,8 @@ std::vector<glm::dvec3> GltfMeshes::positions(const Primitive& primitive) {
   std::vector<glm::dvec3> positions(numbers.count);
   for (std::size_t v = 0; v < numbers.count; ++v) positions[v] = numbers.vector(v);
 
-  const auto targets = primitive.json.find("targets");
-  if (targets == primitive.json.end() || !targets->is_array()) return positions;
+  const Json* targets = list_in(primitive.json, "targets");
+  if (!targets) return positions;
   const std::vector<double> shares = weights(primitive, targets->size());
   for (std::size_t t = 0; t < targets->size(); ++t) {
     if (shares[t] == 0) continue;
@@ -117,9 +114,8 @@ std::vector<glm::dvec3> GltfMeshes::positions(const Primitive& primitive) {
 std::vector<glm::dmat4> GltfMeshes::joints(std::size_t skin) const {
   const Json& json = file_.item("skins", skin);
   const std::string where = fmt::format("skin {}", skin);
-  const std::vector<double> names = file_.numbers(json, where, "joints", 0);
   std::vector<glm::dmat4> matrices;
-  for (const double name : names) {
+  for (const double name : file_.numbers(json, where, "joints", 0)) {
     if (!(name >= 0 && name < static_cast<double>(nodes_.size()) && name == std::floor(name)))
       throw Error("{}: {} names node {} of {}", file_.name(), where, name, nodes_.size());
     matrices.push_back(nodes_[static_cast<std::size_t>(name)]);
@@ -129,31 +125,26 @@ std::vector<glm::dmat4> GltfMeshes::joints(std::size_t skin) const {
   const Numbers numbers = file_.read(*inverse, 16);
   if (numbers.count < matrices.size())
     throw Error("{}: {} has {} joints and {} inverse bind matrices", file_.name(), where, matrices.size(), numbers.count);
-  for (std::size_t j = 0; j < matrices.size(); ++j) {
-    glm::dmat4 matrix;
-    for (std::size_t k = 0; k < 16; ++k) matrix[static_cast<int>(k / 4)][static_cast<int>(k % 4)] = numbers.at(j, k);
-    matrices[j] *= matrix;
-  }
+  for (std::size_t j = 0; j < matrices.size(); ++j) matrices[j] *= glm::make_mat4(&numbers.values[16 * j]);
   return matrices;
 }
 
-/// Each vertex stands where the weighted sum of its joints puts it.
+/// Places each vertex by the weighted sum of its joints' matrices.
 void GltfMeshes::pose(const Primitive& primitive, std::size_t skin, std::vector<glm::dvec3>& positions) {
   if (!last_skin_ || last_skin_->first != skin) last_skin_.emplace(skin, joints(skin));
   const std::vector<glm::dmat4>& matrices = last_skin_->second;
   std::vector<glm::dmat4> sums(positions.size(), glm::dmat4(0));
   std::vector<double> weight_sums(positions.size());
   for (int set = 0;; ++set) {
-    const std::size_t joint_accessor = attribute(primitive, fmt::format("JOINTS_{}", set).c_str());
-    const std::size_t weight_accessor = attribute(primitive, fmt::format("WEIGHTS_{}", set).c_str());
-    constexpr std::size_t none = static_cast<std::size_t>(-1);
-    if (joint_accessor == none || weight_accessor == none) {
+    const auto joint_accessor = attribute(primitive, fmt::format("JOINTS_{}", set).c_str());
+    const auto weight_accessor = attribute(primitive, fmt::format("WEIGHTS_{}", set).c_str());
+    if (!joint_accessor || !weight_accessor) {
       if (set == 0 || joint_accessor != weight_accessor)
         throw Error("{}: {} has a skin but not both JOINTS_{} and WEIGHTS_{}", file_.name(), primitive.where, set, set);
       break;
     }
     double largest = 0;
-    const Numbers joint = file_.read_indices(joint_accessor, 4, largest), weight = file_.read(weight_accessor, 4);
+    const Numbers joint = file_.read_indices(*joint_accessor, 4, largest), weight = file_.read(*weight_accessor, 4);
     if (joint.count != positions.size() || weight.count != positions.size())
       throw Error("{}: {} has {} vertices, joints for {} and weights for {}", file_.name(), primitive.where, positions.size(),
                   joint.count, weight.count);
@@ -179,7 +170,7 @@ void GltfMeshes::add_faces(const Primitive& primitive, std::size_t vertex_count,
   const std::size_t mode = file_.index(primitive.json, primitive.where, "mode").value_or(triangles);
   if (mode > fan) throw Error("{}: {}: mode = {} is outside 0 .. 6", file_.name(), primitive.where, mode);
   std::vector<std::uint32_t> corners(vertex_count);
-  for (std::size_t v = 0; v < vertex_count; ++v) corners[v] = static_cast<std::uint32_t>(v);
+  std::iota(corners.begin(), corners.end(), 0u);
   if (const auto indices = file_.index(primitive.json, primitive.where, "indices")) {
     double largest = 0;
     const Numbers numbers = file_.read_indices(*indices, 1, largest);
@@ -220,12 +211,9 @@ void GltfMeshes::read_material(const Primitive& primitive, ImportedMesh& mesh) c
   const Json& material = file_.item("materials", *index);
   const std::string where = fmt::format("material {}", *index);
   const Json none = Json::object();
-  const auto part = [&](const Json& owner, const char* key) -> const Json& {
-    const auto found = owner.find(key);
-    return found != owner.end() && found->is_object() ? *found : none;
-  };
   const Json* glossy = file_.extension_of(material, "KHR_materials_pbrSpecularGlossiness");
-  const Json& colors = glossy ? *glossy : part(material, "pbrMetallicRoughness");
+  const Json* metallic = object_in(material, "pbrMetallicRoughness");
+  const Json& colors = glossy ? *glossy : metallic ? *metallic : none;
   const std::vector<double> factor = file_.numbers(colors, where, glossy ? "diffuseFactor" : "baseColorFactor", 4);
   mesh.has_color = true;
   mesh.color = factor.empty() ? glm::vec3(1) : glm::vec3(factor[0], factor[1], factor[2]);

@@ -1,5 +1,5 @@
 #pragma once
-// Private to formats: meshes of glTF at their nodes, with morph targets and skins as the nodes stand.
+// Private to formats: meshes of glTF at their nodes, with morph targets and skins in the pose of the file.
 #include <map>
 
 #include "measure/formats/gltf_file.h"
@@ -26,7 +26,7 @@ class GltfMeshes {
   std::vector<glm::dmat4> joints(std::size_t skin) const;
   void add_faces(const Primitive& primitive, std::size_t vertex_count, ImportedMesh& mesh);
   void read_material(const Primitive& primitive, ImportedMesh& mesh) const;
-  std::size_t attribute(const Primitive& primitive, const char* name) const;
+  std::optional<std::size_t> attribute(const Primitive& primitive, const char* name) const;
 
   const GltfFile& file_;
   const std::vector<glm::dmat4>& nodes_;

@@ -1,5 +1,5 @@
 #pragma once
-// What a mesh file holds, as its reader hands it to the importer: nothing is placed, no face is split.
+// The contents of a mesh file, as its reader returns them to the importer: nothing is placed, no face is split.
 #include <gnomon/error.h>
 
 #include <array>
@@ -15,12 +15,15 @@
 
 namespace gnomon::importing {
 
-/// A mesh, and where it stands: once for each node that has it.
-struct ImportedMesh {
+/// What is used of a material.
+struct ImportedMaterial {
+  bool has_color = false, has_texture = false, is_transparent = false;
+  glm::vec3 color{0};  ///< diffuse, when has_color
+};
+/// A mesh with its material, and its places: one for each node that has it.
+struct ImportedMesh : ImportedMaterial {
   std::string name;
   std::vector<glm::dmat4> places;  ///< world from mesh
-  bool has_color = false, has_texture = false, is_transparent = false;
-  glm::vec3 color{0};  ///< diffuse color of the material, when has_color
   std::vector<glm::dvec3> positions;
   std::vector<std::uint32_t> corner_counts;  ///< one per face
   std::vector<std::uint32_t> corners;        ///< vertex indices of all faces, one after the other
@@ -47,7 +50,7 @@ struct MeshFile {
   std::vector<ImportedMesh> meshes;
   std::vector<ImportedCamera> cameras;
   std::vector<ImportedLight> lights;
-  std::vector<std::string> notes;  ///< what the file holds and the scene does not: "3 camera elements are left out"
+  std::vector<std::string> notes;  ///< what the file contains and the scene does not: "3 camera elements are left out"
   std::string failure;             ///< why nothing could be read; empty where something was
 
   /// "COUNT WHAT", unless the count is 0: note(3, "lines are left out").
@@ -71,13 +74,13 @@ void visit_file(auto& io, auto& file) {
 /// The bytes of a file, this one or one that it names. Throws Error where that is not a regular file that can be read.
 using ReadFile = std::function<std::string(const std::filesystem::path& file)>;
 
-/// Reads a mesh file with the reader of its format, which its extension tells. Throws Error: file, line or element, which
-/// value, what is allowed. May crash on damaged files of the formats that have no reader of their own (see formats.cpp).
+/// Reads a mesh file with the reader of its format, which follows from its extension. Throws Error: file, line or element,
+/// which value, what is allowed. May crash on damaged files of the formats that have no reader of their own (see formats.cpp).
 MeshFile read_mesh_file(const std::filesystem::path& file, const ReadFile& read);
 /// Whether files of this name are read.
 bool has_mesh_format(const std::filesystem::path& file);
 
-/// Corners of a face: the time to split it grows with their square.
+/// Most corners of a face: the time to split it grows with their square.
 inline constexpr std::size_t most_corners = 10'000;
 
 /// Throws Error, which opens with `where` ("FILE:LINE"), unless `index` is a whole number of 0 .. vertex_count - 1.

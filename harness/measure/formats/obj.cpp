@@ -1,37 +1,128 @@
 // OBJ: lines of vertices, faces and much else. Objects and groups become meshes, and so do the parts of them that have another
 // material.
-// Source: Wavefront, "Object Files (.obj)", Advanced Visualizer manual, appendix B1.
+// Source: Wavefront, "Object Files (.obj)" and "Material Library File (.mtl)", Advanced Visualizer manual, appendix B1.
 #include <algorithm>
 #include <charconv>
+#include <map>
+#include <set>
 #include <unordered_map>
 
-#include "measure/formats/obj_material.h"
 #include "measure/formats/readers.h"
 #include "measure/formats/text_lines.h"
 
 namespace gnomon::importing {
 namespace {
 
-/// What a line may open with beside v, f, o, g, usemtl and mtllib.
-enum class Statement { unknown, no_geometry, points_and_lines, free_form, foreign_file };
-Statement statement(std::string_view word) {
-  static const std::unordered_map<std::string_view, Statement> known = [] {
-    using enum Statement;
-    std::unordered_map<std::string_view, Statement> all;
-    for (const char* name : {"vt",     "vn",     "vp",         "s",         "mg",    "bevel", "c_interp", "d_interp", "lod",
-                             "maplib", "usemap", "shadow_obj", "trace_obj", "ctech", "stech", "cstype",   "deg",      "bmat",
-                             "step",   "parm",   "trim",       "hole",      "scrv",  "sp",    "end",      "con"})
-      all[name] = no_geometry;
-    for (const char* name : {"p", "l"}) all[name] = points_and_lines;
-    for (const char* name : {"curv", "curv2", "surf", "bsp", "bzp", "cdc", "cdp", "res"}) all[name] = free_form;
-    for (const char* name : {"call", "csh"}) all[name] = foreign_file;
-    return all;
-  }();
-  const auto found = known.find(word);
-  return found == known.end() ? Statement::unknown : found->second;
+namespace fs = std::filesystem;
+
+/// What is used of an OBJ's materials.
+class ObjMaterials {
+ public:
+  ObjMaterials(const fs::path& file, const ReadFile& read) : file_(file), read_(read) {}
+
+  /// The files behind `mtllib`: one whose name may contain blanks, or several. Those that are missing are noted.
+  void add_library(const std::string& names, MeshFile& answer);
+  /// Color, texture and transparency of the material of this name; nothing where there is none.
+  void apply(const std::string& name, ImportedMesh& mesh);
+  /// Materials that no library has.
+  void note(MeshFile& answer) const;
+
+ private:
+  void read_library(const fs::path& file, MeshFile& answer);
+
+  const fs::path& file_;
+  const ReadFile& read_;
+  std::map<std::string, ImportedMaterial> materials_;
+  std::set<std::string> missing_, read_before_;
+  std::vector<std::string> missing_libraries_;
+};
+
+void ObjMaterials::add_library(const std::string& names, MeshFile& answer) {
+  std::error_code code;
+  const auto path_of = [&](std::string name) {
+    if (name.size() > 1 && name.front() == '"' && name.back() == '"') name = name.substr(1, name.size() - 2);
+    if (!fs::exists(file_.parent_path() / name, code))
+      for (char& c : name)  // written under Windows
+        if (c == '\\') c = '/';
+    return file_.parent_path() / name;
+  };
+  std::vector<std::string> files{names};
+  if (!fs::exists(path_of(names), code) && names.find(' ') != names.npos) {
+    files.clear();
+    TextLines words(names, names, 0);
+    words.next();
+    for (std::string_view word = words.word(); !word.empty(); word = words.word()) files.emplace_back(word);
+  }
+  for (const std::string& name : files) {
+    if (!read_before_.insert(name).second) continue;
+    if (fs::is_regular_file(path_of(name), code))
+      read_library(path_of(name), answer);
+    else
+      missing_libraries_.push_back(name);
+  }
 }
 
-/// The first number of "7", "7/1", "-2//3", 0 where no 64 bits hold it; the others must be numbers, or missing.
+void ObjMaterials::read_library(const fs::path& file, MeshFile& answer) {
+  const std::string name = file.string(), bytes = read_(file);
+  TextLines lines(name, without_byte_order_mark(name, bytes), '#', true);
+  ImportedMaterial* material = nullptr;
+  std::size_t spectral = 0;
+  while (lines.next()) {
+    const std::string word = lower(lines.word());
+    if (word == "newmtl") {
+      material = &materials_[std::string(lines.rest())];
+    } else if (!material) {
+      continue;
+    } else if (word == "kd") {
+      const std::string_view first = lines.word();
+      if (first == "spectral" || first == "xyz") {
+        ++spectral;
+        continue;
+      }
+      // One number is for all three.
+      const auto red = static_cast<float>(lines.number(first));
+      material->has_color = true;
+      material->color = glm::vec3(red);
+      for (int k = 1; k < 3 && lines.words_left() > 0; ++k) material->color[k] = lines.real();
+    } else if (word == "d" || word == "tr") {
+      std::string_view first = lines.word();
+      if (first == "-halo") first = lines.word();
+      const double value = first.empty() ? (word == "d" ? 1 : 0) : lines.number(first);
+      material->is_transparent |= word == "d" ? value < 1 : value > 0;
+    } else if (word == "map_kd" || word == "map_d") {
+      material->has_texture = true;
+    }
+  }
+  answer.note(spectral, "colors of materials are spectral or XYZ and not used");
+}
+
+void ObjMaterials::apply(const std::string& name, ImportedMesh& mesh) {
+  if (name.empty()) return;
+  if (const auto found = materials_.find(name); found != materials_.end())
+    static_cast<ImportedMaterial&>(mesh) = found->second;
+  else
+    missing_.insert(name);
+}
+
+void ObjMaterials::note(MeshFile& answer) const {
+  if (!missing_libraries_.empty())
+    answer.note(
+        missing_libraries_.size(),
+        fmt::format("libraries of materials are not there, or no regular files ('{}' is one)", missing_libraries_.front()));
+  if (!missing_.empty())
+    answer.note(missing_.size(),
+                fmt::format("materials are in no library ('{}' is one); their color is not known", *missing_.begin()));
+}
+
+// What a line may open with beside v, f, o, g, usemtl, mtllib, p and l.
+constexpr std::string_view no_geometry[] = {"vn",       "vt",     "vp",     "s",      "mg",         "bevel",     "c_interp",
+                                            "d_interp", "lod",    "maplib", "usemap", "shadow_obj", "trace_obj", "ctech",
+                                            "stech",    "cstype", "deg",    "bmat",   "step",       "parm",      "trim",
+                                            "hole",     "scrv",   "sp",     "end",    "con"};
+constexpr std::string_view free_form[] = {"curv", "curv2", "surf", "bsp", "bzp", "cdc", "cdp", "res"};
+constexpr std::string_view foreign_file[] = {"call", "csh"};
+
+/// The first number of "7", "7/1", "-2//3", 0 where it exceeds 64 bits; the others must be numbers, or missing.
 std::int64_t vertex_number(std::string_view word, const TextLines& lines) {
   std::string_view rest = word;
   std::int64_t number = 0;
@@ -58,7 +149,7 @@ struct Part {
 
 class ObjReader {
  public:
-  ObjReader(const std::filesystem::path& file, const ReadFile& read) : name_(file.string()), materials_(file, read) {}
+  ObjReader(const fs::path& file, const ReadFile& read) : name_(file.string()), materials_(file, read) {}
 
   MeshFile read(std::string_view text) {
     TextLines lines(name_, text, '#', true);
@@ -82,37 +173,28 @@ class ObjReader {
     if (first == "o" || first == "g") return begin_object(first == "g", std::string(lines.rest()));
     if (first == "usemtl") return use_material(std::string(lines.rest()));
     if (first == "mtllib") return materials_.add_library(std::string(lines.rest()), answer_);
-    switch (statement(first)) {
-      case Statement::no_geometry:
-        return;
-      case Statement::points_and_lines: {
-        const std::size_t ends = std::max<std::size_t>(lines.words_left(), 1);
-        points_and_lines_ += first == "p" ? ends : std::max<std::size_t>(ends - 1, 1);
-        return;
-      }
-      case Statement::free_form:
-        ++free_form_;
-        return;
-      case Statement::foreign_file:
-        throw Error("{}: '{}' wants another file or program, which is not read", lines.where(), first);
-      case Statement::unknown:
-        if (unknown_++ == 0) first_unknown_ = fmt::format("'{}' of line {}", first, lines.line_number());
+    const auto is_among = [&](const auto& words) { return std::ranges::find(words, first) != std::end(words); };
+    if (is_among(no_geometry)) return;
+    if (first == "p" || first == "l") {
+      const std::size_t ends = std::max<std::size_t>(lines.words_left(), 1);
+      points_and_lines_ += first == "p" ? ends : std::max<std::size_t>(ends - 1, 1);
+    } else if (is_among(foreign_file)) {
+      throw Error("{}: '{}' wants another file or program, which is not read", lines.where(), first);
+    } else if (is_among(free_form)) {
+      ++free_form_;
+    } else if (unknown_++ == 0) {
+      first_unknown_ = fmt::format("'{}' of line {}", first, lines.line_number());
     }
   }
 
   /// x y z, then a weight, or a color of 3 or 4, or both.
   void read_vertex(TextLines& lines) {
-    glm::dvec3 position(0);
-    for (int k = 0; k < 3; ++k) position[k] = lines.real();
-    positions_.push_back(position);
+    positions_.push_back(glm::dvec3{lines.real(), lines.real(), lines.real()});
     const std::size_t more = lines.words_left();
-    for (std::size_t k = 0; k < more; ++k) {
-      const double value = lines.number();
-      weighted_ += more == 1 && value != 1;
-    }
+    for (std::size_t k = 0; k < more; ++k) weighted_ += lines.number() != 1 && more == 1;
   }
 
-  /// What is allowed is known at the end of the file.
+  /// The number of vertices is final at the end of the file alone.
   void note_outside(long line, const std::string& word) {
     if (outside_.empty()) outside_ = fmt::format("{}:{}: face names vertex {}", name_, line, word);
   }
@@ -136,7 +218,7 @@ class ObjReader {
     }
   }
 
-  /// A group of the name of the one before goes on with it; an object of a name that was there does so with that one.
+  /// A group with the name of the group before continues it; an object with the name of an earlier object continues that one.
   void begin_object(bool is_group, const std::string& name) {
     if (is_group && !parts_.empty() && name == group_) return;
     if (is_group) group_ = name;
@@ -160,11 +242,8 @@ class ObjReader {
   void use_material(const std::string& name) {
     material_ = name;
     if (parts_.empty()) return;
-    Part& part = parts_[part_];
-    if (part.material != name && !part.corner_counts.empty())
-      begin_part(name);
-    else
-      part.material = name;
+    if (parts_[part_].material != name && !parts_[part_].corner_counts.empty()) begin_part(name);
+    parts_[part_].material = name;
   }
 
   /// Vertices in the order of the faces that use them.
@@ -216,7 +295,7 @@ class ObjReader {
 
 }  // namespace
 
-MeshFile read_obj(const std::filesystem::path& file, const ReadFile& read) {
+MeshFile read_obj(const fs::path& file, const ReadFile& read) {
   const std::string name = file.string(), bytes = read(file);
   return ObjReader(file, read).read(without_byte_order_mark(name, bytes));
 }

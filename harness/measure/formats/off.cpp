@@ -15,7 +15,7 @@ struct OffHeader {
   std::size_t vertex_count = 0, face_count = 0;
 };
 
-/// Reads the letters before OFF; returns what stands behind it: "8" of "COFF8".
+/// Reads the letters before OFF; returns what follows it: "8" of "COFF8".
 std::string_view read_magic(const std::string& name, std::string_view word, OffHeader& header) {
   const std::size_t magic = word.find("OFF");
   std::string_view letters = word.substr(0, magic);
@@ -39,7 +39,7 @@ std::string_view read_magic(const std::string& name, std::string_view word, OffH
   return word.substr(magic + 3);
 }
 
-/// Behind the keyword, which may be missing; the number of edges may be missing, too.
+/// Keyword and number of edges may both be missing.
 OffHeader read_header(const std::string& name, TextLines& lines) {
   OffHeader header;
   if (!lines.next()) throw Error("{}: its head has no vertex and face counts", name);
@@ -78,14 +78,12 @@ glm::dvec3 weighed(const glm::dvec3& p, double weight) { return glm::dvec3(glm::
 /// One line for each vertex and face; what follows the corners of a face is its color.
 void read_lines(TextLines& lines, const OffHeader& header, MeshFile& answer) {
   ImportedMesh& mesh = answer.meshes.front();
-  // Behind the position stand a normal, a color of 3 or 4, and a place in the texture; without letters, nothing or a color.
-  const std::size_t least =
-      3 + header.has_weight + (header.has_normal ? 3 : 0) + (header.has_color ? 3 : 0) + (header.has_texture ? 2 : 0);
+  // After the position: a normal, a color of 3 or 4, and a place in the texture; without letters, nothing or a color.
+  const std::size_t least = 3 + header.has_weight + 3 * header.has_normal + 3 * header.has_color + 2 * header.has_texture;
   std::size_t overlong = 0;
   for (std::size_t v = 0; v < header.vertex_count; ++v) {
     lines.begin("vertex", v, header.vertex_count);
-    glm::dvec3 position(0);
-    for (int k = 0; k < 3; ++k) position[k] = lines.number();
+    const glm::dvec3 position{lines.number(), lines.number(), lines.number()};
     mesh.positions.push_back(weighed(position, header.has_weight ? lines.number() : 1));
     const std::size_t words = 3 + header.has_weight + lines.words_left();
     if (words < least) throw Error("{}: vertex {} has {} numbers of {}; it is truncated", lines.where(), v, words, least);
@@ -136,10 +134,9 @@ void read_bytes(const std::string& name, std::string_view bytes, OffHeader heade
   in.natural();  // edges
   need_room(name, header, bytes.size());
   in.within = "vertices";
-  const int beside = (header.has_normal ? 3 : 0) + (header.has_color ? 4 : 0) + (header.has_texture ? 2 : 0);
+  const int beside = 3 * header.has_normal + 4 * header.has_color + 2 * header.has_texture;
   for (std::size_t v = 0; v < header.vertex_count; ++v) {
-    glm::dvec3 position(0);
-    for (int k = 0; k < 3; ++k) position[k] = in.real();
+    const glm::dvec3 position{in.real(), in.real(), in.real()};
     mesh.positions.push_back(weighed(position, header.has_weight ? in.real() : 1));
     for (int k = 0; k < beside; ++k) in.natural();
   }
@@ -170,12 +167,11 @@ MeshFile read_off(const std::filesystem::path& file, const ReadFile& read) {
   const OffHeader header = read_header(name, lines);
   MeshFile answer;
   answer.meshes.emplace_back();
-  if (header.is_binary) {
+  need_room(name, header, bytes.size());  // the head of a binary file has no counts
+  if (header.is_binary)
     read_bytes(name, text.substr(lines.offset()), header, answer);
-  } else {
-    need_room(name, header, bytes.size());
+  else
     read_lines(lines, header, answer);
-  }
   return answer;
 }
 

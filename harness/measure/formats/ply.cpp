@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <cstring>
 #include <optional>
 
 #include "measure/formats/readers.h"
@@ -15,8 +14,8 @@ struct PlyType {
   enum class Kind { whole, natural, real } kind = Kind::natural;
   std::size_t size = 1;  ///< bytes
 };
-/// What a value is for.
-enum class Use { none, x, y, z, corners };
+/// The use of a value.
+enum class Use { none, corners, x, y, z };
 struct PlyProperty {
   PlyType type;
   std::optional<PlyType> count_type;  ///< of the count that opens a list; none for a single value
@@ -31,10 +30,10 @@ struct PlyElement {
   bool is_strips() const { return name == "tristrips"; }
   bool is_faces() const { return name == "face" || is_strips(); }
 };
-enum class PlyForm { lines, little_endian, big_endian };
+enum class PlyForm { unknown, lines, little_endian, big_endian };
 struct PlyHeader {
   std::vector<PlyElement> elements;
-  PlyForm form = PlyForm::lines;
+  PlyForm form = PlyForm::unknown;
   std::size_t vertex_count = 0, unknown_count = 0;  ///< unknown: lines, such as a comment without its keyword
 };
 
@@ -83,13 +82,11 @@ PlyProperty read_property(TextLines& lines, const PlyElement& element) {
 PlyHeader read_header(const std::string& name, TextLines& lines, std::size_t file_size) {
   if (!lines.next() || lines.word() != "ply") throw Error("{}: does not open with 'ply'", name);
   PlyHeader header;
-  bool has_format = false;
   for (std::string_view first; first != "end_header";) {
     if (!lines.next()) throw Error("{}: its header has no end_header; it is truncated", name);
     first = lines.word();
     if (first == "format") {
       header.form = ply_form(lines, lines.need_word());
-      has_format = true;
     } else if (first == "element") {
       PlyElement& element = header.elements.emplace_back();
       element.name = lines.need_word();
@@ -97,8 +94,9 @@ PlyHeader read_header(const std::string& name, TextLines& lines, std::size_t fil
       if (element.count > file_size)
         throw Error("{}: declares {} {} elements in {} bytes; it is truncated", lines.where(), element.count, element.name,
                     file_size);
-      if (element.is_vertex() && header.vertex_count > 0) throw Error("{}: element vertex is given twice", lines.where());
-      if (element.is_vertex()) header.vertex_count = element.count;
+      if (!element.is_vertex()) continue;
+      if (header.vertex_count > 0) throw Error("{}: element vertex is given twice", lines.where());
+      header.vertex_count = element.count;
     } else if (first == "property") {
       if (header.elements.empty()) throw Error("{}: a property stands before the first element", lines.where());
       header.elements.back().properties.push_back(read_property(lines, header.elements.back()));
@@ -106,7 +104,7 @@ PlyHeader read_header(const std::string& name, TextLines& lines, std::size_t fil
       ++header.unknown_count;
     }
   }
-  if (!has_format) throw Error("{}: its header has no format", name);
+  if (header.form == PlyForm::unknown) throw Error("{}: its header has no format", name);
   for (const PlyElement& element : header.elements) {
     const auto uses = [&](Use use) { return std::ranges::count(element.properties, use, &PlyProperty::use) == 1; };
     if (element.is_vertex() && element.count > 0 && !(uses(Use::x) && uses(Use::y) && uses(Use::z)))
@@ -198,8 +196,27 @@ void add_strip(std::span<const std::int64_t> corners, ImportedMesh& mesh) {
 template <class Body>
 class PlyReader {
  public:
-  PlyReader(const PlyHeader& header, Body& body, ImportedMesh& mesh) : header_(header), body_(body), mesh_(mesh) {}
+  PlyReader(const PlyHeader& header, Body body) : header_(header), body_(std::move(body)) {}
 
+  MeshFile read() {
+    mesh_.positions.reserve(header_.vertex_count);
+    answer_.note(header_.unknown_count, "lines of the header open with a word that is unknown to PLY and are left out");
+    std::size_t others = 0;
+    for (const PlyElement& element : header_.elements) {
+      if (!element.properties.empty()) read(element);
+      constexpr std::size_t most_notes = 10;
+      if (element.is_vertex() || element.is_faces() || element.count == 0) continue;
+      if (answer_.notes.size() < most_notes)
+        answer_.note(element.count, fmt::format("'{}' elements are left out", element.name));
+      else
+        others += element.count;
+    }
+    answer_.note(others, "elements of other kinds are left out");
+    body_.note_rest(answer_);
+    return std::move(answer_);
+  }
+
+ private:
   void read(const PlyElement& element) {
     for (std::size_t i = 0; i < element.count; ++i) {
       body_.begin(element, i);
@@ -209,16 +226,11 @@ class PlyReader {
       if (element.is_vertex()) mesh_.positions.push_back(position);
     }
   }
-
- private:
   void read(const PlyElement& element, std::size_t place, const PlyProperty& property, glm::dvec3& position) {
-    if (property.use == Use::none) {
-      body_.skip(property.type, property.count_type ? body_.value(*property.count_type) : 1);
-    } else if (property.use == Use::corners) {
-      read_corners(element, place, property);
-    } else {
+    if (property.use == Use::none) body_.skip(property.type, property.count_type ? body_.value(*property.count_type) : 1);
+    if (property.use == Use::corners) read_corners(element, place, property);
+    if (property.use >= Use::x)
       position[static_cast<int>(property.use) - static_cast<int>(Use::x)] = body_.value(property.type);
-    }
   }
   void read_corners(const PlyElement& element, std::size_t place, const PlyProperty& property) {
     const double count = body_.value(*property.count_type);
@@ -244,33 +256,12 @@ class PlyReader {
   }
 
   const PlyHeader& header_;
-  Body& body_;
-  ImportedMesh& mesh_;
+  Body body_;
+  MeshFile answer_;
+  ImportedMesh& mesh_ = answer_.meshes.emplace_back();
   std::vector<std::uint32_t> face_;
   std::vector<std::int64_t> strip_;
 };
-
-template <class Body>
-MeshFile read_body(const PlyHeader& header, Body body) {
-  MeshFile answer;
-  ImportedMesh& mesh = answer.meshes.emplace_back();
-  mesh.positions.reserve(header.vertex_count);
-  answer.note(header.unknown_count, "lines of the header open with a word that is unknown to PLY and are left out");
-  PlyReader reader(header, body, mesh);
-  std::size_t others = 0;
-  for (const PlyElement& element : header.elements) {
-    if (!element.properties.empty()) reader.read(element);
-    constexpr std::size_t most_notes = 10;
-    if (element.is_vertex() || element.is_faces() || element.count == 0) continue;
-    if (answer.notes.size() < most_notes)
-      answer.note(element.count, fmt::format("'{}' elements are left out", element.name));
-    else
-      others += element.count;
-  }
-  answer.note(others, "elements of other kinds are left out");
-  body.note_rest(answer);
-  return answer;
-}
 
 }  // namespace
 
@@ -279,11 +270,11 @@ MeshFile read_ply(const std::filesystem::path& file, const ReadFile& read) {
   const std::string_view text = without_byte_order_mark(name, bytes);
   TextLines lines(name, text, 0);
   const PlyHeader header = read_header(name, lines, bytes.size());
-  if (header.form == PlyForm::lines) return read_body(header, LineBody(lines));
-  // Where lines end in \r alone, a \n behind the last one is the first byte of the body.
+  if (header.form == PlyForm::lines) return PlyReader(header, LineBody(lines)).read();
+  // Where lines end in \r alone, a \n after the last one is the first byte of the body.
   const bool ends_in_return = text.substr(3).starts_with('\r') && !text.substr(3).starts_with("\r\n");
   const std::size_t body = lines.offset() - (ends_in_return && text[lines.offset() - 1] == '\n' ? 1 : 0);
-  return read_body(header, ByteBody(name, text.substr(body), header.form == PlyForm::big_endian));
+  return PlyReader(header, ByteBody(name, text.substr(body), header.form == PlyForm::big_endian)).read();
 }
 
 }  // namespace gnomon::importing

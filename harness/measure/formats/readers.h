@@ -1,5 +1,6 @@
 #pragma once
-// Private to formats: one reader a format. Each reads the whole file or throws Error, and notes what it left out.
+// Private to formats: one reader a format. Each reads the whole file or throws Error, and notes what it left out. And what
+// readers of bytes share.
 #include "measure/formats/mesh_file.h"
 
 namespace gnomon::importing {
@@ -12,5 +13,13 @@ MeshFile read_obj(const std::filesystem::path& file, const ReadFile& read);
 MeshFile read_gltf(const std::filesystem::path& file, const ReadFile& read);
 /// Any other format.
 MeshFile read_by_assimp(const std::filesystem::path& file, const ReadFile& read);
+
+/// 32 bits at `offset`, the lowest byte first; what lies beyond the end is 0.
+inline std::uint32_t word_at(std::string_view bytes, std::size_t offset) {
+  std::uint32_t word = 0;
+  for (std::size_t k = 0; k < 4 && offset + k < bytes.size(); ++k)
+    word |= static_cast<std::uint32_t>(static_cast<unsigned char>(bytes[offset + k])) << (8 * k);
+  return word;
+}
 
 }  // namespace gnomon::importing

@@ -1,8 +1,6 @@
 // STL: binary (80 bytes of anything, a count, 50 bytes a facet) or text (solid, facets, endsolid).
 #include <bit>
-#include <cstring>
 
-#include "measure/formats/little_endian.h"
 #include "measure/formats/readers.h"
 #include "measure/formats/text_lines.h"
 
@@ -16,11 +14,10 @@ std::uint64_t declared_size(std::string_view bytes) { return head_size + facet_s
 /// No binary file of a few facets is without a zero byte.
 bool looks_like_text(std::string_view bytes) { return bytes.substr(0, 1000).find('\0') == bytes.npos; }
 
-/// Many binary files open with `solid` as well, so their length decides; where it is no help, zero bytes do.
+/// Many binary files open with `solid` as well, so their length decides; where it does not match, zero bytes do.
 bool is_text(const std::string& name, std::string_view bytes) {
   TextLines lines(name, bytes, 0);
-  if (!lines.next() || !same_word(lines.word(), "solid")) return false;
-  return looks_like_text(bytes);
+  return lines.next() && same_word(lines.word(), "solid") && looks_like_text(bytes);
 }
 
 MeshFile read_binary(const std::string& name, std::string_view bytes) {
@@ -35,12 +32,10 @@ MeshFile read_binary(const std::string& name, std::string_view bytes) {
   const std::uint32_t count = word_at(bytes, 80);
   mesh.positions.reserve(std::size_t{3} * count);
   for (std::uint32_t f = 0; f < count; ++f) {
-    for (std::uint32_t corner = 0; corner < 3; ++corner) {
-      glm::dvec3 position(0);
-      for (std::uint32_t k = 0; k < 3; ++k)
-        position[static_cast<int>(k)] =
-            std::bit_cast<float>(word_at(bytes, head_size + facet_size * std::size_t{f} + 12 + 12 * corner + 4 * k));
-      mesh.positions.push_back(position);
+    for (std::size_t corner = 0; corner < 3; ++corner) {
+      const std::size_t begin = head_size + facet_size * f + 12 + 12 * corner;
+      const auto real = [&](std::size_t k) { return std::bit_cast<float>(word_at(bytes, begin + 4 * k)); };
+      mesh.positions.emplace_back(real(0), real(1), real(2));
     }
     mesh.add_triangle(3 * f, 3 * f + 1, 3 * f + 2);
   }
@@ -48,7 +43,7 @@ MeshFile read_binary(const std::string& name, std::string_view bytes) {
   return answer;
 }
 
-/// Words one behind the other, wherever lines end; but a name goes to the end of its line.
+/// Words one after the other, wherever lines end; but a name goes to the end of its line.
 class Words {
  public:
   Words(const std::string& name, std::string_view text) : name_(name), lines_(name, text, 0) {}
@@ -79,7 +74,7 @@ class Words {
   TextLines lines_;
 };
 
-/// Behind the word `facet`. Normals are not used: they may be anything.
+/// Reads what follows the word `facet`. Normals are not used: they may be anything.
 void read_facet(Words& words, ImportedMesh& mesh) {
   words.need("normal");
   for (int k = 0; k < 3; ++k)
@@ -91,10 +86,8 @@ void read_facet(Words& words, ImportedMesh& mesh) {
   for (std::string_view word = words.need(); !same_word(word, "endloop"); word = words.need()) {
     if (!same_word(word, "vertex"))
       throw Error("{}: '{}' of facet {} is neither 'vertex' nor 'endloop'", words.where(), word, words.facet);
-    glm::dvec3 position(0);
-    for (int k = 0; k < 3; ++k) position[k] = words.real();
     face.push_back(static_cast<std::uint32_t>(mesh.positions.size()));
-    mesh.positions.push_back(position);
+    mesh.positions.push_back(glm::dvec3{words.real(), words.real(), words.real()});
     if (face.size() > 3) throw Error("{}: facet {} has more than 3 vertices", words.where(), words.facet);
   }
   if (face.size() < 3) throw Error("{}: facet {} has {} vertices, not 3", words.where(), words.facet, face.size());
@@ -109,10 +102,8 @@ MeshFile read_text(const std::string& name, std::string_view text) {
     if (!same_word(word, "solid")) throw Error("{}: '{}' stands where a solid begins", words.where(), word);
     ImportedMesh& mesh = answer.meshes.emplace_back();
     mesh.name = words.rest_of_line();
-    for (;;) {
-      word = words.next();
+    for (word = words.next(); !same_word(word, "endsolid"); word = words.next()) {
       if (word.empty()) throw Error("{}: has no endsolid after {} facets; it is truncated", name, words.facet);
-      if (same_word(word, "endsolid")) break;
       if (!same_word(word, "facet"))
         throw Error("{}: '{}' after {} facets is neither 'facet' nor 'endsolid'", words.where(), word, words.facet);
       read_facet(words, mesh);
@@ -129,7 +120,7 @@ MeshFile read_stl(const std::filesystem::path& file, const ReadFile& read) {
   const std::string name = file.string(), bytes = read(file);
   if (bytes.size() >= head_size && bytes.size() == declared_size(bytes)) return read_binary(name, bytes);
   std::string_view text = without_byte_order_mark(name, bytes);
-  while (text.ends_with('\0') || text.ends_with('\x1a')) text.remove_suffix(1);  // as old systems end a text
+  while (text.ends_with('\0') || text.ends_with('\x1a')) text.remove_suffix(1);  // old systems end a text so
   return is_text(name, text) ? read_text(name, text) : read_binary(name, bytes);
 }
 

@@ -1,13 +1,12 @@
 #pragma once
 // Private to formats: the lines of a text, their words, and numbers that are nothing else.
-#include <cstdint>
-#include <optional>
+#include <cstddef>
 #include <string>
 #include <string_view>
 
 namespace gnomon::importing {
 
-/// The text of a file without its byte order mark. Throws Error where that says that the text is not UTF-8.
+/// The text of a file without its byte order mark. Throws Error where the mark is that of UTF-16.
 std::string_view without_byte_order_mark(const std::string& name, std::string_view bytes);
 /// Lower-case ASCII.
 std::string lower(std::string_view text);
@@ -39,8 +38,6 @@ class TextLines {
   std::string_view rest();
   /// How many words are left in the line.
   std::size_t words_left();
-  /// Goes back to the first word of the line.
-  void rewind() { at_ = 0; }
 
   long line_number() const { return number_; }
   std::string where() const;  ///< "FILE:LINE"

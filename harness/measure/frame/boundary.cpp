@@ -4,8 +4,6 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
-#include <cmath>
-
 namespace gnomon {
 
 namespace {

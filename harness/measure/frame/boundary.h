@@ -1,8 +1,4 @@
 #pragma once
-#include <cstdint>
-#include <span>
-#include <vector>
-
 #include "measure/frame/classify.h"
 
 namespace gnomon {

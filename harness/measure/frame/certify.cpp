@@ -1,15 +1,13 @@
 #include "measure/frame/certify.h"
 
-#include <fmt/format.h>
-#include <gnomon/error.h>
 #include <gnomon/kit/random.h>
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_reduce.h>
 
 #include <algorithm>
 #include <bit>
-#include <cmath>
 
+#include "measure/fields.h"
 #include "measure/frame/classify.h"
 
 namespace gnomon {
@@ -23,8 +21,6 @@ struct Sample {
   bool disagrees = false;
 };
 
-bool is_dark(float visibility) { return !is_lit(visibility); }
-
 /// Whether a pixel facing the light within `band` columns and rows has the other answer.
 bool near_boundary(const std::vector<char>& facing, std::span<const float> reference, int width, int height, std::size_t i,
                    int band) {
@@ -32,7 +28,7 @@ bool near_boundary(const std::vector<char>& facing, std::span<const float> refer
   for (int v = std::max(0, y - band); v <= std::min(height - 1, y + band); ++v)
     for (int u = std::max(0, x - band); u <= std::min(width - 1, x + band); ++u) {
       const std::size_t j = static_cast<std::size_t>(v) * width + u;
-      if (facing[j] && is_dark(reference[j]) != is_dark(reference[i])) return true;
+      if (facing[j] && is_lit(reference[j]) != is_lit(reference[i])) return true;
     }
   return false;
 }
@@ -134,11 +130,7 @@ Certificate certify(const Scene& scene, const Light& light, const GBuffer& gbuff
     throw Error("scene {} has exact curved shapes, only a G-buffer of mesh truth can be certified", scene.name);
 
   const glm::dvec4 l = homogeneous(light);
-  Certificate result;
-  result.scene = scene.name;
-  result.light = light.name;
-  result.view = gbuffer.view.name;
-  result.reference = options.reference;
+  Certificate result{.scene = scene.name, .light = light.name, .view = gbuffer.view.name, .reference = options.reference};
   result.clearance_floor = 4 * 0x1p-24 * extent(scene, light, gbuffer.view);
   result.lattice_exponent = lattice_exponent(scene, l);
 
@@ -151,7 +143,7 @@ Certificate certify(const Scene& scene, const Light& light, const GBuffer& gbuff
       Sample& sample = samples[k];
       const Receiver receiver = receiver_at(scene, gbuffer, sample.pixel);
       sample.answer = exact.occluded(receiver, l, tally);
-      sample.disagrees = sample.answer.blocked != is_dark(reference[sample.pixel]);
+      sample.disagrees = sample.answer.blocked == is_lit(reference[sample.pixel]);
       sample.margin = exact.edge_margin(receiver, l, sample.disagrees ? INFINITY : result.clearance_floor);
     }
     return tally;
@@ -181,28 +173,15 @@ std::string text(const Certificate& c) {
   return out;
 }
 
-void to_json(Json& json, const Certificate& c) {
-  json = json_object({{"below_margin", c.close_count},
-                      {"bound_95", c.bound},
-                      {"clearance_floor_meters", c.clearance_floor},
-                      {"degenerate", c.degenerate_count},
-                      {"disagreements", c.disagreements},
-                      {"disagreements_uncertain", c.uncertain_disagreement_count},
-                      {"facing", c.facing_count},
-                      {"holds", c.holds()},
-                      {"lattice_exponent", c.lattice_exponent},
-                      {"light", c.light},
-                      {"queries", c.query_count},
-                      {"queries_band", c.band_count},
-                      {"queries_random", c.random_count},
-                      {"reference", c.reference},
-                      {"scene", c.scene},
-                      {"signs_gmp", c.tally.signs.big},
-                      {"signs_int128", c.tally.signs.lattice},
-                      {"uncertain", c.uncertain_count},
-                      {"view", c.view},
-                      {"worst_margin_meters", c.worst_margin},
-                      {"worst_margin_pixels", c.worst_margin_pixels}});
+void for_each_field(MaybeConst<Certificate> auto& c, const auto& use) {
+  const bool holds = c.holds();
+  use("below_margin", c.close_count, "bound_95", c.bound, "clearance_floor_meters", c.clearance_floor, "degenerate",
+      c.degenerate_count, "disagreements", c.disagreements, "disagreements_uncertain", c.uncertain_disagreement_count, "facing",
+      c.facing_count, "holds", holds, "lattice_exponent", c.lattice_exponent, "light", c.light, "queries", c.query_count,
+      "queries_band", c.band_count, "queries_random", c.random_count, "reference", c.reference, "scene", c.scene, "signs_gmp",
+      c.tally.signs.big, "signs_int128", c.tally.signs.lattice, "uncertain", c.uncertain_count, "view", c.view,
+      "worst_margin_meters", c.worst_margin, "worst_margin_pixels", c.worst_margin_pixels);
 }
+void to_json(Json& json, const Certificate& c) { json = written(c); }
 
 }  // namespace gnomon

@@ -3,8 +3,6 @@
 #include <gnomon/kit/geometry/exact_scene.h>
 
 #include <functional>
-#include <string>
-#include <vector>
 
 #include "measure/json.h"
 
@@ -30,20 +28,20 @@ struct Certificate {
   std::size_t uncertain_count = 0;               ///< queries in U for any of the three reasons
   std::size_t degenerate_count = 0;              ///< queries whose answer hangs on an edge or a vertex alone
   std::size_t close_count = 0;                   ///< queries below the certified margin M0: an edge closer than the floor
-  std::vector<std::size_t> disagreements;        ///< pixels outside U where reference and exact answer differ; must be empty
+  std::vector<std::size_t> disagreements = {};   ///< pixels outside U where reference and exact answer differ; must be empty
   std::size_t uncertain_disagreement_count = 0;  ///< the same inside U
   double worst_margin = 0;         ///< largest margin m of a disagreement inside U, meters at the receiver; 0 without one
   double worst_margin_pixels = 0;  ///< the same in widths of the pixel's footprint across the view
   double clearance_floor = 0;      ///< 4 * 2^-24 * extent, meters; M0 is this, carried from the edge to the receiver
   double bound = 1;                ///< 95 % upper bound on the rate of disagreement outside U; 3 / N when none was seen
   int lattice_exponent = 0;        ///< vertices and light position are multiples of 2^this
-  ExactTally tally;                ///< work of the exact queries, and which arithmetic decided
+  ExactTally tally = {};           ///< work of the exact queries, and which arithmetic decided
 
   bool holds() const { return query_count > uncertain_count && disagreements.empty(); }
 };
 
 /// Certifies `reference` (1 lit, 0 dark, row-major) on a G-buffer of mesh truth. Same inputs, same certificate. Throws Error on
-/// an area light and on a G-buffer of exact curved shapes: the oracle knows triangles and hard shadows only.
+/// an area light and on a G-buffer of exact curved shapes: the oracle decides triangles and hard shadows only.
 Certificate certify(const Scene& scene, const Light& light, const GBuffer& gbuffer, std::span<const float> reference,
                     const CertifyOptions& options = {});
 

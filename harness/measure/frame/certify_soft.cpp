@@ -1,13 +1,11 @@
 #include "measure/frame/certify_soft.h"
 
-#include <fmt/format.h>
-#include <gnomon/error.h>
 #include <gnomon/kit/parallel.h>
 #include <gnomon/kit/random.h>
 
 #include <algorithm>
-#include <cmath>
 
+#include "measure/fields.h"
 #include "measure/statistics/distributions.h"
 #include "measure/statistics/statistics.h"
 
@@ -27,7 +25,7 @@ struct Groups {
   std::vector<SoftSample> penumbra, rest;
 };
 
-/// The pixels that are asked for.
+/// The pixels to decide exactly.
 Groups choose(const Reference& reference, const SoftCertifyOptions& options, SoftCertificate& result) {
   Groups groups;
   Random random(options.seed);
@@ -38,10 +36,7 @@ Groups choose(const Reference& reference, const SoftCertifyOptions& options, Sof
     ++result.tested_count;
     const bool is_penumbra = reference.mask[i] > 0 && reference.mask[i] < 1;
     result.penumbra_count += is_penumbra;
-    if (is_penumbra)
-      groups.penumbra.push_back({i});
-    else if (is_drawn)
-      groups.rest.push_back({i});
+    if (is_penumbra || is_drawn) (is_penumbra ? groups.penumbra : groups.rest).push_back({i});
   }
   if (groups.penumbra.size() > options.most_penumbra) {
     random.shuffle(groups.penumbra);
@@ -85,11 +80,7 @@ SoftCertificate certify_soft(const Scene& scene, const Light& light, const GBuff
   if (!has_area(light)) throw Error("light {} is a {} light, it has no area", light.name, kind_name(light));
   if (gbuffer.truth == Truth::shape && scene.has_curved_shapes())
     throw Error("scene {} has exact curved shapes, only a G-buffer of mesh truth can be certified", scene.name);
-  SoftCertificate result;
-  result.scene = scene.name;
-  result.light = light.name;
-  result.view = gbuffer.view.name;
-  result.reference = options.reference;
+  SoftCertificate result{.scene = scene.name, .light = light.name, .view = gbuffer.view.name, .reference = options.reference};
   result.target = options.target;
   result.false_alarm = options.false_alarm;
   Groups groups = choose(reference, options, result);
@@ -101,8 +92,8 @@ SoftCertificate certify_soft(const Scene& scene, const Light& light, const GBuff
       LightPieces pieces;
       for (std::size_t k = begin; k < end; ++k) {
         const std::size_t i = (*samples)[k].pixel;
-        const LightFigure face(light, gbuffer.position(i), gbuffer.normal(i));
-        (*samples)[k].exact = exact.seen(receiver_at(scene, gbuffer, i), face, pieces, tallies[begin / block]);
+        const LightFigure figure(light, gbuffer.position(i), gbuffer.normal(i));
+        (*samples)[k].exact = exact.seen(receiver_at(scene, gbuffer, i), figure, pieces, tallies[begin / block]);
       }
     });
     for (const AreaTally& tally : tallies) result.tally += tally;
@@ -119,11 +110,8 @@ SoftCertificate certify_soft(const Scene& scene, const Light& light, const GBuff
 }
 
 std::string text(const SoftCertificate& c) {
-  const bool has_pixels = c.tested_count > 0;
-  std::string out = fmt::format("{} / {} / {}: {}\n", c.scene, c.light, c.view,
-                                c.holds()    ? "certified"
-                                : has_pixels ? "NOT certified"
-                                             : "NOT certified: no pixel is of class T");
+  const char* const why_not = c.tested_count > 0 ? "NOT certified" : "NOT certified: no pixel is of class T";
+  std::string out = fmt::format("{} / {} / {}: {}\n", c.scene, c.light, c.view, c.holds() ? "certified" : why_not);
   if (!c.reference.empty()) out += fmt::format("  reference      {}\n", c.reference);
   out += fmt::format("  target         standard error {:g}, at most {} places of the light\n", c.target.error, c.target.cap);
   out += fmt::format("  pixels         {} of T, {} of them in penumbrae; {} of U\n", c.tested_count, c.penumbra_count,
@@ -139,29 +127,17 @@ std::string text(const SoftCertificate& c) {
   return out;
 }
 
-void to_json(Json& json, const SoftCertificate& c) {
-  Json comparisons = Json::array();
-  for (const SoftCertificate::Comparison& s : c.comparisons)
-    comparisons.push_back(json_object({{"allowed", s.allowed},
-                                       {"beyond", s.beyond},
-                                       {"count", s.count},
-                                       {"holds", s.holds()},
-                                       {"largest", s.largest},
-                                       {"mean", s.mean},
-                                       {"mean_error", s.mean_error},
-                                       {"what", s.what}}));
-  json = json_object({{"cap", c.target.cap},
-                      {"comparisons", comparisons},
-                      {"false_alarm", c.false_alarm},
-                      {"holds", c.holds()},
-                      {"light", c.light},
-                      {"penumbra", c.penumbra_count},
-                      {"reference", c.reference},
-                      {"scene", c.scene},
-                      {"target", c.target.error},
-                      {"tested", c.tested_count},
-                      {"uncertain", c.uncertain_count},
-                      {"view", c.view}});
+void for_each_field(MaybeConst<SoftCertificate::Comparison> auto& c, const auto& use) {
+  const bool holds = c.holds();
+  use("allowed", c.allowed, "beyond", c.beyond, "count", c.count, "holds", holds, "largest", c.largest, "mean", c.mean,
+      "mean_error", c.mean_error, "what", c.what);
 }
+void for_each_field(MaybeConst<SoftCertificate> auto& c, const auto& use) {
+  const bool holds = c.holds();
+  use("cap", c.target.cap, "comparisons", c.comparisons, "false_alarm", c.false_alarm, "holds", holds, "light", c.light,
+      "penumbra", c.penumbra_count, "reference", c.reference, "scene", c.scene, "target", c.target.error, "tested",
+      c.tested_count, "uncertain", c.uncertain_count, "view", c.view);
+}
+void to_json(Json& json, const SoftCertificate& c) { json = written(c); }
 
 }  // namespace gnomon

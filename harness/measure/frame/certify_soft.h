@@ -1,10 +1,6 @@
 #pragma once
 #include <gnomon/kit/area/area_scene.h>
 
-#include <array>
-#include <string>
-#include <vector>
-
 #include "measure/frame/frame.h"
 #include "measure/json.h"
 
@@ -13,7 +9,7 @@ namespace gnomon {
 struct SoftCertifyOptions {
   std::string reference = "";         ///< how the reference was made
   AreaTarget target = {};             ///< to which target
-  std::size_t most_penumbra = 20000;  ///< pixels of the penumbra that are asked for, drawn at random where there are more
+  std::size_t most_penumbra = 20000;  ///< pixels of the penumbra to decide, drawn at random where there are more
   double random_share = 0.02;         ///< of the other pixels of class T
   std::uint64_t seed = 1;             ///< of both draws
   /// Chance that a reference which keeps Student's law to the letter is refused, for each comparison.
@@ -35,11 +31,11 @@ struct SoftCertificate {
     bool holds() const { return beyond[0] <= allowed[0] && beyond[1] <= allowed[1] && beyond[2] <= allowed[2] && is_mean_zero; }
   };
   std::string scene, light, view, reference;
-  AreaTarget target;
+  AreaTarget target = {};
   double false_alarm = 0;
   std::size_t tested_count = 0, uncertain_count = 0, penumbra_count = 0;  ///< pixels of T, of U, of T in the penumbra
-  std::vector<Comparison> comparisons;  ///< area and irradiance, each in penumbrae and elsewhere
-  AreaTally tally;
+  std::vector<Comparison> comparisons = {};  ///< area and irradiance, each in penumbrae and elsewhere
+  AreaTally tally = {};
 
   bool holds() const;
 };

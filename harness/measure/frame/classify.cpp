@@ -1,11 +1,9 @@
 #include "measure/frame/classify.h"
 
-#include <tbb/parallel_for.h>
+#include <gnomon/kit/rays/gbuffer_maker.h>
 
 #include <algorithm>
-#include <optional>
 
-#include "measure/frame/gbuffer_maker.h"
 #include "measure/frame/moved_rays.h"
 #include "measure/frame/ray_packets.h"
 
@@ -15,39 +13,30 @@ namespace {
 
 // Gray for what is not decided, light for what is scored, colors for what is left out.
 constexpr ClassInfo classes_table[] = {
-    {"B", "background", "No surface: nothing to decide.", {24, 26, 30}},
-    {"F",
-     "turned away",
-     "Faces away from the light, lies outside its cone, or does not receive: dark whatever the mask says.",
-     {92, 96, 104}},
-    {"G", "grazing", "The light grazes the surface, at 2 degrees or less: any bias decides it.", {238, 190, 50}},
-    {"S",
-     "silhouette",
+    {"B", "background", "No surface: nothing to decide.", rgb(24, 26, 30)},
+    {"F", "turned away", "Faces away from the light, lies outside its cone, or does not receive: dark whatever the mask says.",
+     rgb(92, 96, 104)},
+    {"G", "grazing", "The light grazes the surface, at 2 degrees or less: any bias decides it.", rgb(238, 190, 50)},
+    {"S", "silhouette",
      "What it shows is in doubt: 1/512 px beside its center is nothing, another mesh, or the same much nearer or farther.",
-     {20, 105, 210}},
-    {"U", "uncertain", "The reference's answer changes within float32 rounding.", {215, 55, 60}},
-    {"T",
-     "tested",
-     "The error is what these are off by on average, the wrong rate the share of them that are wrong.",
-     {212, 216, 214}},
+     rgb(20, 105, 210)},
+    {"U", "uncertain", "The reference's answer changes within float32 rounding.", rgb(215, 55, 60)},
+    {"T", "tested", "The error is what these are off by on average, the wrong rate the share of them that are wrong.",
+     rgb(212, 216, 214)},
 };
 
 /// Of a square around a pixel's center.
 constexpr glm::dvec2 corners[] = {{-1, -1}, {1, -1}, {-1, 1}, {1, 1}};
 
-/// Asks the ray tracer again with the sample points moved, sixteen pixels at a time.
-class SnappedRays {
- public:
-  SnappedRays(const Scene& scene, const RayScene& everything, const RayScene& casters, const GBuffer& gbuffer,
-              const Light& light, int subpixel_bits)
-      : scene_(scene),
-        everything_(everything),
-        casters_(casters),
-        gbuffer_(gbuffer),
-        light_(light),
-        l_(homogeneous(light)),
-        camera_(gbuffer.view, gbuffer.width, gbuffer.height),
-        most_(snapping_grid(subpixel_bits) / 2) {}
+/// Traces again with the sample points moved, sixteen pixels at a time.
+struct SnappedRays {
+  const Scene& scene;
+  const RayScene &everything, &casters;
+  const GBuffer& gbuffer;
+  const Light& light;
+  double most;  ///< pixels that a vertex is moved by
+  glm::dvec4 l = homogeneous(light);
+  Camera camera{gbuffer.view, gbuffer.width, gbuffer.height};
 
   /// Bit k: pixel pixels[k] has another answer at some corner.
   std::uint32_t flips(std::span<const std::size_t> pixels, std::span<const float> reference) const {
@@ -58,42 +47,23 @@ class SnappedRays {
       ShadowPacket packet{};
       std::uint32_t mesh[16] = {}, triangle[16] = {}, valid = 0;
       for (int k = 0; k < count; ++k) {
-        const double x = static_cast<double>(pixels[k] % gbuffer_.width) + 0.5 + corner.x * most_;
-        const double y = static_cast<double>(pixels[k] / gbuffer_.width) + 0.5 + corner.y * most_;
-        const SurfacePoint point = surface_through(scene_, everything_, camera_, gbuffer_.truth, x, y);
-        if (!has_answer(point)) continue;
+        const double x = static_cast<double>(pixels[k] % gbuffer.width) + 0.5 + corner.x * most;
+        const double y = static_cast<double>(pixels[k] / gbuffer.width) + 0.5 + corner.y * most;
+        const SurfacePoint point = surface_through(scene, everything, camera, gbuffer.truth, x, y);
+        // As faces_light says it of a pixel.
+        if (point.mesh == no_mesh || !scene.meshes[point.mesh].receives || !in_spot_cone(light, point.position)) continue;
+        if (!(glm::dot(glm::dvec3(point.normal), to_light(l, point.position)) > 0)) continue;
         valid |= 1u << k;
         mesh[k] = point.mesh;
         triangle[k] = point.triangle;
-        aim(packet, k, point);
+        // By the recipe of the reference.
+        const glm::vec3 origin = point.position + static_cast<float>(ray_offset(point.position)) * point.normal;
+        set_ray(packet, k, origin, glm::vec3(l) - static_cast<float>(l.w) * origin, end_of(l));
       }
-      if (valid) flipped |= (casters_.occluded(valid, packet, {mesh, triangle}) ^ dark) & valid;
+      if (valid) flipped |= (casters.occluded(valid, packet, {mesh, triangle}) ^ dark) & valid;
     }
     return flipped;
   }
-
- private:
-  /// As faces_light says it of a pixel.
-  bool has_answer(const SurfacePoint& point) const {
-    return point.mesh != no_mesh && scene_.meshes[point.mesh].receives &&
-           glm::dot(glm::dvec3(point.normal), to_light(l_, point.position)) > 0 && in_spot_cone(light_, point.position);
-  }
-
-  /// By the recipe of the reference.
-  void aim(ShadowPacket& packet, int k, const SurfacePoint& point) const {
-    const glm::vec3 origin = point.position + static_cast<float>(ray_offset(point.position)) * point.normal;
-    const glm::vec3 direction = glm::vec3(l_) - static_cast<float>(l_.w) * origin;
-    set_ray(packet, k, origin, direction, end_of(l_));
-  }
-
-  const Scene& scene_;
-  const RayScene& everything_;
-  const RayScene& casters_;
-  const GBuffer& gbuffer_;
-  const Light& light_;
-  glm::dvec4 l_;
-  Camera camera_;
-  double most_;  // pixels that a vertex is moved by
 };
 
 }  // namespace
@@ -131,19 +101,15 @@ std::vector<PixelClass> classify(const Scene& scene, const RayScene& casters, co
   if (is_resolved(scene, light, gbuffer.view))
     moved.emplace(scene, casters, gbuffer, l, extent(scene, light, gbuffer.view), reference);
   std::vector<PixelClass> classes(gbuffer.size(), PixelClass::T);
-  const auto is_asked = [&](std::size_t i, int, int) {
-    if (gbuffer.is_background(i))
-      classes[i] = PixelClass::B;
-    else if (!faces_light(scene, gbuffer, light, i))
-      classes[i] = PixelClass::F;
-    else if (const glm::dvec3 to = to_light(l, gbuffer.position(i));
-             glm::dot(glm::dvec3(gbuffer.normal(i)), to) < 0.035 * glm::length(to))
-      classes[i] = PixelClass::G;
-    else if (!silhouettes.empty() && silhouettes[i])
-      classes[i] = PixelClass::S;
-    return classes[i] == PixelClass::T;
+  const auto class_of = [&](std::size_t i) {
+    if (gbuffer.is_background(i)) return PixelClass::B;
+    if (!faces_light(scene, gbuffer, light, i)) return PixelClass::F;
+    const glm::dvec3 to = to_light(l, gbuffer.position(i));
+    if (glm::dot(glm::dvec3(gbuffer.normal(i)), to) < 0.035 * glm::length(to)) return PixelClass::G;
+    return !silhouettes.empty() && silhouettes[i] ? PixelClass::S : PixelClass::T;
   };
-  decide_in_packets(gbuffer.width, gbuffer.height, is_asked, [&](std::span<const std::size_t> pixels) {
+  const auto needs_rays = [&](std::size_t i, int, int) { return (classes[i] = class_of(i)) == PixelClass::T; };
+  decide_in_packets(gbuffer.width, gbuffer.height, needs_rays, [&](std::span<const std::size_t> pixels) {
     const std::uint32_t unstable = moved ? moved->unstable(pixels) : ~0u;
     for (std::size_t k = 0; k < pixels.size(); ++k)
       if (unstable >> k & 1) classes[pixels[k]] = PixelClass::U;
@@ -154,7 +120,7 @@ std::vector<PixelClass> classify(const Scene& scene, const RayScene& casters, co
 std::vector<std::uint8_t> find_snapping(const Scene& scene, const RayScene& everything, const RayScene& casters,
                                         const GBuffer& gbuffer, const Light& light, std::span<const float> reference,
                                         std::span<const PixelClass> classes, int subpixel_bits) {
-  const SnappedRays snapped(scene, everything, casters, gbuffer, light, subpixel_bits);
+  const SnappedRays snapped{scene, everything, casters, gbuffer, light, snapping_grid(subpixel_bits) / 2};
   std::vector<std::uint8_t> snapping(gbuffer.size());
   const auto is_asked = [&](std::size_t i, int, int) { return classes[i] == PixelClass::T; };
   decide_in_packets(gbuffer.width, gbuffer.height, is_asked, [&](std::span<const std::size_t> pixels) {

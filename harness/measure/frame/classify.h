@@ -3,8 +3,6 @@
 
 #include <array>
 #include <cmath>
-#include <string_view>
-#include <vector>
 
 namespace gnomon {
 
@@ -22,6 +20,9 @@ enum class PixelClass : std::uint8_t {
   T,  ///< tested
 };
 
+/// A color of a table's row, sRGB.
+constexpr std::array<std::uint8_t, 3> rgb(std::uint8_t r, std::uint8_t g, std::uint8_t b) { return {r, g, b}; }
+
 /// One class is one row, in the order of PixelClass: what records, tables and pictures call it. The colors differ by 26 in CIE
 /// Lab, also for people without one kind of cone.
 struct ClassInfo {
@@ -30,7 +31,7 @@ struct ClassInfo {
 };
 std::span<const ClassInfo> class_infos();
 
-/// Whether a visibility counts as light where only light and shadow are told apart: more than one half.
+/// Whether a visibility counts as light where there is only light and shadow: more than one half.
 constexpr bool is_lit(float visibility) { return visibility > 0.5f; }
 
 /// Whether a pixel of this visibility is wrong: it is off by more than one half, or by one half and dark where the reference is

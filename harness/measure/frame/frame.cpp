@@ -1,6 +1,5 @@
 #include "measure/frame/frame.h"
 
-#include <gnomon/error.h>
 #include <gnomon/kit/area/path_light.h>
 #include <gnomon/registry.h>
 
@@ -19,13 +18,14 @@ bool has_radiance(const Light& light) { return has_area(light); }
 namespace {
 
 /// Raised when `find_snapping` answers otherwise. It names files of references and no version of the frames: masks and causes
-/// stand as they did.
+/// stay as they were.
 constexpr int snapping_version = 1;
 
-template <class T>
-void append(std::vector<std::byte>& bytes, std::span<const T> items) {
-  const auto view = std::as_bytes(items);
-  bytes.insert(bytes.end(), view.begin(), view.end());
+/// Appends the arrays one after the other.
+template <class... Array>
+void append(std::vector<std::byte>& bytes, const Array&... arrays) {
+  for (const std::span<const std::byte> view : {std::span<const std::byte>(std::as_bytes(std::span(arrays)))...})
+    bytes.insert(bytes.end(), view.begin(), view.end());
 }
 
 /// Bytes of a pixel in the cache: six floats and two ids; a float, a mesh, a class and a flag, and of a light with area six
@@ -58,30 +58,35 @@ std::size_t size_of(const MissingFrame& missing) {
 std::vector<std::byte> gbuffer_bytes(const GBuffer& g) {
   std::vector<std::byte> bytes;
   bytes.reserve(g.size() * gbuffer_pixel + hash_size);
-  for (const auto& floats : {g.px, g.py, g.pz, g.nx, g.ny, g.nz}) append(bytes, floats);
-  for (const auto& ids : {g.mesh, g.triangle}) append(bytes, ids);
+  append(bytes, g.px, g.py, g.pz, g.nx, g.ny, g.nz, g.mesh, g.triangle);
   return bytes;
 }
 
-template <class T>
-std::span<const T> slice(const MappedFile& file, std::size_t& offset, std::size_t count) {
-  if (offset + count * sizeof(T) > file.bytes().size()) throw Error("a file of the frame cache is too short");
-  const auto* begin = reinterpret_cast<const T*>(file.bytes().data() + offset);
-  offset += count * sizeof(T);
-  return {begin, count};
-}
+/// The inverse: arrays of a file, one after the other.
+struct Slices {
+  std::span<const std::byte> left;
+
+  /// The next ones, of `count` items each.
+  template <class... T>
+  void operator()(std::size_t count, std::span<const T>&... arrays) {
+    (take(count, arrays), ...);
+  }
+
+ private:
+  template <class T>
+  void take(std::size_t count, std::span<const T>& array) {
+    if (count * sizeof(T) > left.size()) throw Error("a file of the frame cache is too short");
+    array = {reinterpret_cast<const T*>(left.data()), count};
+    left = left.subspan(array.size_bytes());
+  }
+};
 
 }  // namespace
 
 int frame_version() { return 8; }
 
 FrameStore::FrameStore(const Scene& scene, fs::path folder, std::unique_ptr<FrameMaker> maker)
-    : scene_(scene),
-      files_(std::move(folder)),
-      scene_bytes_(scene_bytes(scene)),
-      scene_hash_(content_hash(scene_bytes_)),
-      tracer_(scene),
-      maker_(std::move(maker)) {}
+    : scene_(scene), files_(std::move(folder)), maker_(std::move(maker)) {}
 
 const std::string& FrameStore::scene_hash(const std::vector<std::string>& lights) {
   const auto [found, is_new] = hash_by_lights_.try_emplace(lights);
@@ -89,13 +94,12 @@ const std::string& FrameStore::scene_hash(const std::vector<std::string>& lights
   return found->second;
 }
 
-fs::path FrameStore::find(const std::string& name, std::size_t size) {
-  return files_.find(name, size + hash_size, ends_with_own_hash);
-}
-
-fs::path FrameStore::make(const std::string& name, const MissingFrame& missing) {
-  std::vector<std::byte> bytes = maker_ ? maker_->make(missing) : tracer_.make(missing);
+fs::path FrameStore::find_or_make(const std::string& name, MissingFrame missing) {
   const std::size_t size = size_of(missing);
+  if (const fs::path file = files_.find(name, size + hash_size, ends_with_own_hash); !file.empty()) return file;
+  if (missing.light) missing.gbuffer_file = gbuffer_file(missing.key);
+  missing.scene_file = scene_file();
+  std::vector<std::byte> bytes = maker_ ? maker_->make(missing) : tracer_.make(missing);
   if (bytes.size() != size) throw Error("a frame was made with {} bytes; {} are wanted", bytes.size(), size);
   append_hash(bytes);
   return files_.put(name, bytes);
@@ -123,11 +127,7 @@ std::string FrameStore::hash(const FrameKey& key, const Light* light, const Area
   return content_hash(scene_bytes(fingerprint));
 }
 
-fs::path FrameStore::gbuffer_file(const FrameKey& key) {
-  const std::string name = hash(key, nullptr) + ".gbuffer";
-  if (const fs::path file = find(name, pixel_count(key) * gbuffer_pixel); !file.empty()) return file;
-  return make(name, {.scene_file = scene_file(), .key = key, .light = {}, .gbuffer_file = {}, .target = {}});
-}
+fs::path FrameStore::gbuffer_file(const FrameKey& key) { return find_or_make(hash(key, nullptr) + ".gbuffer", {.key = key}); }
 
 GBuffer FrameStore::gbuffer(const FrameKey& key) { return copy_gbuffer(gbuffer_file(key), key); }
 
@@ -140,10 +140,8 @@ GBuffer gbuffer_of(const std::shared_ptr<const MappedFile>& file, const fs::path
   // A viewer's has no hash. Of another size, ids would be read from where coordinates lie.
   if (const std::size_t size = file->bytes().size(); size != n * gbuffer_pixel && size != n * gbuffer_pixel + hash_size)
     throw Error("{} has {} bytes, not those of {}x{} pixels", path.string(), size, key.width, key.height);
-  std::size_t offset = 0;
   GBuffer g{key.view, key.truth, key.width, key.height, {}, {}, {}, {}, {}, {}, {}, {}, file};
-  for (auto* floats : {&g.px, &g.py, &g.pz, &g.nx, &g.ny, &g.nz}) *floats = slice<float>(*file, offset, n);
-  for (auto* ids : {&g.mesh, &g.triangle}) *ids = slice<std::uint32_t>(*file, offset, n);
+  Slices{file->bytes()}(n, g.px, g.py, g.pz, g.nx, g.ny, g.nz, g.mesh, g.triangle);
   return g;
 }
 
@@ -187,11 +185,8 @@ std::vector<std::byte> FrameTracer::reference(const MissingFrame& missing, const
   trace_shadows(casters(key.truth), scene_, g, light, mask);
   const std::vector<PixelClass> classes = classify(scene_, casters(key.truth), g, light, mask, silhouettes(missing, g));
   std::vector<std::byte> bytes;
-  append(bytes, std::span<const float>(mask));
-  append(bytes, std::span<const std::uint32_t>(find_nearest_casters(scene_, casters(key.truth), g, light, mask)));
-  append(bytes, std::span<const PixelClass>(classes));
-  append(bytes, std::span<const std::uint8_t>(find_snapping(scene_, everything(key.truth), casters(key.truth), g, light, mask,
-                                                            classes, missing.subpixel_bits)));
+  append(bytes, mask, find_nearest_casters(scene_, casters(key.truth), g, light, mask), classes,
+         find_snapping(scene_, everything(key.truth), casters(key.truth), g, light, mask, classes, missing.subpixel_bits));
   return bytes;
 }
 
@@ -200,13 +195,8 @@ std::vector<std::byte> FrameTracer::soft_reference(const MissingFrame& missing, 
   const RayScene& all_casters = casters(missing.key.truth);
   const SoftReference soft = trace_soft(scene_, all_casters, g, light, silhouettes(missing, g), missing.target, missing.done);
   std::vector<std::byte> bytes;
-  append(bytes, std::span<const float>(soft.area));
-  append(bytes, std::span<const std::uint32_t>(find_nearest_casters(scene_, all_casters, g, light, soft.area)));
-  for (const auto* floats : {&soft.irradiance, &soft.area_error, &soft.irradiance_error, &soft.area_half, &soft.irradiance_half,
-                             &soft.caster_distance})
-    append(bytes, std::span<const float>(*floats));
-  append(bytes, std::span<const std::uint32_t>(soft.rays));
-  append(bytes, std::span<const PixelClass>(soft.classes));
+  append(bytes, soft.area, find_nearest_casters(scene_, all_casters, g, light, soft.area), soft.irradiance, soft.area_error,
+         soft.irradiance_error, soft.area_half, soft.irradiance_half, soft.caster_distance, soft.rays, soft.classes);
   bytes.resize(bytes.size() + g.size());  // snapping belongs to hard edges
   return bytes;
 }
@@ -219,62 +209,38 @@ std::vector<std::byte> FrameTracer::global_reference(const MissingFrame& missing
   const LightSurfaces surfaces{scene_, everything(missing.key.truth), casters(missing.key.truth)};
   const PathOptions options{.samples = missing.global_samples, .seed = global_seed};
   const PathPicture picture = trace_paths(surfaces, g, *missing.light, options, missing.done);
-  const std::uint64_t rays = picture.rays;
   std::vector<std::byte> bytes;
-  for (const auto* floats : {&picture.radiance, &picture.error}) append(bytes, std::span<const float>(*floats));
-  append(bytes, std::span<const std::uint64_t>(&rays, 1));
+  append(bytes, picture.radiance, picture.error, std::array<std::uint64_t, 1>{picture.rays});
   return bytes;
 }
 
 GlobalReference FrameStore::global_reference(const FrameKey& key, const Light& light, int samples) {
-  const std::string asked = fmt::format("{} global {} {}", hash(key, &light), global_version, samples);
-  const std::string name = content_hash(asked) + ".reference";
-  fs::path path = find(name, global_size(key));
-  if (path.empty()) {
-    const fs::path seen = gbuffer_file(key);
-    path =
-        make(name, {.scene_file = scene_file(), .key = key, .light = light, .gbuffer_file = seen, .global_samples = samples});
-  }
-  const auto file = MappedFile::copy(path);
-  std::size_t offset = 0;
-  GlobalReference reference;
-  for (auto* floats : {&reference.radiance, &reference.error}) *floats = slice<float>(*file, offset, 3 * pixel_count(key));
-  reference.rays = slice<std::uint64_t>(*file, offset, 1).front();
-  reference.storage = file;
+  const std::string request = fmt::format("{} global {} {}", hash(key, &light), global_version, samples);
+  const MissingFrame frame{.key = key, .light = light, .global_samples = samples};
+  const auto file = MappedFile::copy(find_or_make(content_hash(request) + ".reference", frame));
+  Slices slices{file->bytes()};
+  GlobalReference reference{.storage = file};
+  slices(3 * pixel_count(key), reference.radiance, reference.error);
+  std::span<const std::uint64_t> rays;
+  slices(1, rays);
+  reference.rays = rays.front();
   return reference;
 }
 
 Reference FrameStore::reference(const FrameKey& key, const Light& light, const AreaTarget& target, int subpixel_bits) {
   require_reference(scene_, light, key.view);
   const std::string name = hash(key, &light, target, subpixel_bits) + ".reference";
-  fs::path path = find(name, pixel_count(key) * reference_pixel(light));
-  if (path.empty()) {
-    const fs::path seen = gbuffer_file(key);
-    path = make(name, {.scene_file = scene_file(),
-                       .key = key,
-                       .light = light,
-                       .gbuffer_file = seen,
-                       .target = target,
-                       .subpixel_bits = subpixel_bits});
-  }
-  const auto file = MappedFile::copy(path);
+  const MissingFrame frame{.key = key, .light = light, .target = target, .subpixel_bits = subpixel_bits};
+  const auto file = MappedFile::copy(find_or_make(name, frame));
   const std::size_t n = pixel_count(key);
-  std::size_t offset = 0;
-  Reference reference;
-  reference.subpixel_bits = subpixel_bits;
-  reference.kind = answer_kind(light);
-  reference.mask = slice<float>(*file, offset, n);
-  reference.nearest_caster = slice<std::uint32_t>(*file, offset, n);
-  if (reference.kind == AnswerKind::fraction) {
-    for (auto* floats : {&reference.irradiance, &reference.error, &reference.irradiance_error, &reference.half,
-                         &reference.irradiance_half, &reference.caster_distance})
-      *floats = slice<float>(*file, offset, n);
-    reference.rays = slice<std::uint32_t>(*file, offset, n);
-  }
-  reference.classes = slice<PixelClass>(*file, offset, n);
-  if (reference.kind == AnswerKind::binary) reference.snapping = slice<std::uint8_t>(*file, offset, n);
-  reference.storage = file;
-  return reference;
+  Slices slices{file->bytes()};
+  Reference r{.storage = file, .subpixel_bits = subpixel_bits, .kind = answer_kind(light)};
+  slices(n, r.mask, r.nearest_caster);
+  if (r.kind == AnswerKind::fraction)
+    slices(n, r.irradiance, r.error, r.irradiance_error, r.half, r.irradiance_half, r.caster_distance, r.rays);
+  slices(n, r.classes);
+  if (r.kind == AnswerKind::binary) slices(n, r.snapping);
+  return r;
 }
 
 Support reference_support(const Scene& scene, const Light& light, const View& view) {

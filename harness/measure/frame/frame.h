@@ -1,17 +1,12 @@
 #pragma once
+#include <gnomon/kit/rays/gbuffer_maker.h>
 #include <gnomon/technique.h>
 
 #include <atomic>
-#include <filesystem>
 #include <map>
-#include <memory>
-#include <optional>
-#include <string>
 
 #include "measure/answer_kind.h"
-#include "measure/frame/classify.h"
 #include "measure/frame/frame_cache.h"
-#include "measure/frame/gbuffer_maker.h"
 #include "measure/frame/soft_reference.h"
 #include "measure/scene/blob.h"
 
@@ -24,11 +19,11 @@ bool has_radiance(const Light& light);
 
 /// The answer that counts, for one light and G-buffer: the reference mask, the class of every pixel, and what blocks it.
 struct Reference {
-  std::span<const float> mask;
-  std::span<const PixelClass> classes;
-  /// Mesh of the occluder nearest to the pixel's point on its way to the light; no_mesh where the pixel is lit or has none.
-  std::span<const std::uint32_t> nearest_caster;
-  std::shared_ptr<const void> storage;
+  std::span<const float> mask = {};
+  std::span<const PixelClass> classes = {};
+  /// Mesh of the caster nearest to the pixel's point on its way to the light; no_mesh where the pixel is lit or has none.
+  std::span<const std::uint32_t> nearest_caster = {};
+  std::shared_ptr<const void> storage = {};
   /// 1 where the pixel is tested and a rasterizer's rounding of vertices may turn its answer over (see find_snapping), else 0.
   std::span<const std::uint8_t> snapping = {};
   int subpixel_bits = usual_subpixel_bits;  ///< of that rasterizer
@@ -43,9 +38,9 @@ struct Reference {
 /// All light that surfaces send to the eye under one light with area, by random light paths (see PathPicture): linear RGB
 /// radiance in W/(m2 sr), three floats a pixel, and the standard error of each.
 struct GlobalReference {
-  std::span<const float> radiance, error;
+  std::span<const float> radiance = {}, error = {};
   std::uint64_t rays = 0;
-  std::shared_ptr<const void> storage;
+  std::shared_ptr<const void> storage = {};
 };
 
 /// Raised when a G-buffer, a reference or a class comes out differently for the same scene. Records keep it as `frames` of
@@ -61,10 +56,10 @@ struct FrameKey {
 
 /// What a FrameStore has not got yet.
 struct MissingFrame {
-  std::filesystem::path scene_file;         ///< with scene_bytes
-  FrameKey key;                             ///< the G-buffer of this,
-  std::optional<Light> light;               ///< or where it holds one the reference under it,
-  std::filesystem::path gbuffer_file;       ///< which is seen in this G-buffer
+  std::filesystem::path scene_file = {};    ///< with scene_bytes
+  FrameKey key = {};                        ///< the G-buffer of this,
+  std::optional<Light> light = {};          ///< or where it holds one the reference under it,
+  std::filesystem::path gbuffer_file = {};  ///< which is seen in this G-buffer
   AreaTarget target = {};                   ///< of a light with area
   int subpixel_bits = usual_subpixel_bits;  ///< of the rasterizer whose rounding is marked
   int global_samples = 0;                   ///< above 0: its GlobalReference is missing, of so many light paths a pixel
@@ -91,7 +86,7 @@ class FrameTracer final : public FrameMaker {
 
  private:
   const RayScene& rays(Truth truth, RayScene::Which which);
-  /// See find_silhouettes; of the view that was asked for last they are kept, for its other lights.
+  /// See find_silhouettes; those of the last view are kept, for its other lights.
   std::span<const std::uint8_t> silhouettes(const MissingFrame& missing, const GBuffer& g);
   std::vector<std::byte> reference(const MissingFrame& missing, const GBuffer& g);
   std::vector<std::byte> soft_reference(const MissingFrame& missing, const GBuffer& g);
@@ -111,7 +106,7 @@ class FrameStore {
   /// Without a maker it traces itself.
   FrameStore(const Scene& scene, std::filesystem::path folder, std::unique_ptr<FrameMaker> maker = nullptr);
 
-  /// What records of rows under lights of these names know the scene by.
+  /// The scene's hash in records of rows under lights of these names.
   const std::string& scene_hash(const std::vector<std::string>& lights);
   /// The scene's bytes as a file, for other processes.
   std::filesystem::path scene_file();
@@ -130,17 +125,16 @@ class FrameStore {
  private:
   std::string hash(const FrameKey& key, const Light* light, const AreaTarget& target = {},
                    int subpixel_bits = usual_subpixel_bits) const;
-  /// The file of a name whose content is of that size and ends with its hash; nothing where there is none.
-  std::filesystem::path find(const std::string& name, std::size_t size);
-  /// Has it made, and puts it in a file of that name.
-  std::filesystem::path make(const std::string& name, const MissingFrame& missing);
+  /// The file of a name whose content has the frame's size and ends with its hash; it is made where there is none, from the
+  /// files of the scene and of the G-buffer.
+  std::filesystem::path find_or_make(const std::string& name, MissingFrame missing);
 
   const Scene& scene_;
   FrameFiles files_;
-  std::vector<std::byte> scene_bytes_;
-  std::string scene_hash_;                                          ///< with all lights
+  std::vector<std::byte> scene_bytes_ = scene_bytes(scene_);
+  std::string scene_hash_ = content_hash(scene_bytes_);             ///< with all lights
   std::map<std::vector<std::string>, std::string> hash_by_lights_;  ///< see scene_hash
-  FrameTracer tracer_;
+  FrameTracer tracer_{scene_};
   std::unique_ptr<FrameMaker> maker_;  ///< null: the tracer
 };
 
@@ -152,7 +146,7 @@ GBuffer map_gbuffer(const std::filesystem::path& file, const FrameKey& key);
 GBuffer copy_gbuffer(const std::filesystem::path& file, const FrameKey& key);
 
 /// What the reference, the technique of that role, says of scene, light and view. Where it is unsupported there is no truth to
-/// score against: whoever measures asks here first and passes the reason on.
+/// score against: whoever measures calls this first and passes the reason on.
 Support reference_support(const Scene& scene, const Light& light, const View& view);
 
 /// Throws Error with scene, light and reason where that is unsupported.

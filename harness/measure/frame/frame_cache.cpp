@@ -7,8 +7,6 @@
 #include <chrono>
 #include <cstdlib>
 #include <mutex>
-#include <numeric>
-#include <utility>
 
 #include "measure/notice.h"
 #include "measure/part_file.h"
@@ -65,15 +63,10 @@ bool is_sound(const CachedFile& file) {
   return file.kind == "scene" ? content_hash(mapped->bytes()) == file.path.stem() : ends_with_own_hash(mapped->bytes());
 }
 
-void touch(const fs::path& file) {
-  std::error_code ignored;
-  fs::last_write_time(file, fs::file_time_type::clock::now(), ignored);
-}
-
 std::uintmax_t keep_below(const fs::path& folder, std::uintmax_t limit) {
   const std::vector<CachedFile> files = cached_files(folder);
-  const auto add = [](std::uintmax_t sum, const CachedFile& file) { return sum + file.bytes; };
-  std::uintmax_t total = std::accumulate(files.begin(), files.end(), std::uintmax_t{0}, add), removed = 0;
+  std::uintmax_t total = 0, removed = 0;
+  for (const CachedFile& file : files) total += file.bytes;
   const auto in_use = fs::file_time_type::clock::now() - std::chrono::hours(1);
   for (auto file = files.rbegin(); file != files.rend() && total > limit && file->last_used < in_use; ++file) {
     std::error_code code;
@@ -122,7 +115,8 @@ fs::path FrameFiles::find(const std::string& name, std::size_t size, const IsSou
   if (!is_plain_file(file) || fs::file_size(file) != size) return {};  // a link may lead anywhere
   if (sound_.contains(file)) return file;
   if (!is_sound(MappedFile::copy(file)->bytes())) return {};
-  touch(file);
+  std::error_code ignored;
+  fs::last_write_time(file, fs::file_time_type::clock::now(), ignored);  // it is used now
   sound_.insert(file);
   return file;
 }

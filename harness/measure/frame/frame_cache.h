@@ -1,11 +1,9 @@
 #pragma once
 #include <cstdint>
-#include <filesystem>
 #include <functional>
 #include <optional>
 #include <set>
 #include <span>
-#include <string>
 #include <vector>
 
 #include "measure/scratch_folder.h"
@@ -31,9 +29,6 @@ std::vector<CachedFile> cached_files(const std::filesystem::path& folder);
 
 /// Whether a file's content is that of its hash: of a scene its name, of others what it ends with.
 bool is_sound(const CachedFile& file);
-
-/// Notes that a file is used now.
-void touch(const std::filesystem::path& file);
 
 /// Removes what programs that were killed have left of FrameFiles.
 void remove_left_overs(const std::filesystem::path& folder);

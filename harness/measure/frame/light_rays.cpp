@@ -1,10 +1,8 @@
 #include "measure/frame/light_rays.h"
 
 #include <gnomon/kit/geometry/across.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
-#include <cmath>
 
 #include "measure/frame/classify.h"
 #include "measure/frame/ray_packets.h"
@@ -32,7 +30,7 @@ LightRays::LightRays(const Scene& scene, const RayScene& casters, const GBuffer&
 
 double LightRays::beyond_everything(const glm::dvec3& point) const { return glm::distance(point, center_) + radius_; }
 
-/// What the ray recipe does not count as an occluder: the pixel's own triangle; its own curved shape, unless the ray leaves it
+/// What the ray recipe does not count as a caster: the pixel's own triangle; its own curved shape, unless the ray leaves it
 /// from inside.
 bool LightRays::is_own(std::size_t i, const RayScene::Hit& hit, const glm::dvec3& direction) const {
   if (hit.mesh != gbuffer_.mesh[i]) return false;

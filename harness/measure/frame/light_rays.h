@@ -1,10 +1,6 @@
 #pragma once
 #include <gnomon/kit/rays/rays.h>
 
-#include <array>
-#include <span>
-#include <vector>
-
 namespace gnomon {
 
 /// Two unit vectors across a unit axis and across each other: the ways that a ray along the axis is moved aside. The classes of
@@ -15,8 +11,8 @@ std::array<glm::dvec3, 2> across(const glm::dvec3& axis);
 /// where the ray runs so flat along the plane (0.06 degrees) that it would go out of sight.
 glm::dvec3 back_to_plane(const glm::dvec3& move, const glm::dvec3& ray, const glm::dvec3& n);
 
-/// Questions about what lies between points and one light, asked for the causes of errors. Rays follow the ray recipe, except
-/// that the nearest and the farthest occluder come from closest-hit rays.
+/// What is between points and one light, for the causes of errors. Rays follow the ray recipe, except that the nearest and the
+/// farthest caster come from closest-hit rays.
 class LightRays {
  public:
   LightRays(const Scene& scene, const RayScene& casters, const GBuffer& gbuffer, const Light& light);
@@ -32,9 +28,9 @@ class LightRays {
     std::uint32_t mesh = no_mesh;
     double distance = INFINITY;  ///< meters from the pixel's point
   };
-  /// The occluder of pixel i that is nearest to its point; no_mesh and infinity when there is none.
+  /// The caster of pixel i that is nearest to its point; no_mesh and infinity when there is none.
   CasterHit nearest(std::size_t i) const;
-  /// Meters from the point of pixel i to its occluder nearest to the light; infinity when there is none.
+  /// Meters from the point of pixel i to its caster nearest to the light; infinity when there is none.
   double farthest(std::size_t i) const;
 
   /// A point on the tangent plane of pixel `pixel` whose ray to the light ignores hits closer than `ignored` meters.
@@ -47,7 +43,7 @@ class LightRays {
   std::vector<std::uint8_t> lit(std::span<const Start> starts) const;
 
   /// Whether the triangles of the scene leave the way from `start` to the light free where its exact shapes block it. Only the
-  /// shapes on the way are asked for their triangles.
+  /// triangles of shapes on the way are tested.
   bool triangles_let_through(const Start& start) const;
 
   struct Surface {
@@ -74,7 +70,7 @@ class LightRays {
   double radius_, rounding_;
 };
 
-/// Mesh of the nearest occluder of every pixel that faces the light and is dark in `reference`; no_mesh elsewhere.
+/// Mesh of the nearest caster of every pixel that faces the light and is dark in `reference`; no_mesh elsewhere.
 std::vector<std::uint32_t> find_nearest_casters(const Scene& scene, const RayScene& casters, const GBuffer& gbuffer,
                                                 const Light& light, std::span<const float> reference);
 

@@ -1,7 +1,6 @@
 #include "measure/frame/lit_ways.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "measure/frame/classify.h"
 #include "measure/frame/light_rays.h"

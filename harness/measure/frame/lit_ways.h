@@ -1,9 +1,6 @@
 #pragma once
 #include <gnomon/gbuffer.h>
 
-#include <span>
-#include <vector>
-
 namespace gnomon {
 
 /// The ways from the lit points of a picture to the light, as the light sees them: how far the farthest one reaches, in cells

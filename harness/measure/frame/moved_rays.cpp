@@ -3,7 +3,6 @@
 #include <gnomon/kit/geometry/exact.h>
 
 #include <algorithm>
-#include <array>
 #include <bit>
 
 #include "measure/frame/classify.h"
@@ -55,13 +54,7 @@ std::vector<RayScene::Met> casters_near(const Scene& scene, Truth truth, const g
 
 MovedRays::MovedRays(const Scene& scene, const RayScene& casters, const GBuffer& gbuffer, const glm::dvec4& light,
                      double extent, std::span<const float> reference)
-    : scene_(scene),
-      casters_(casters),
-      gbuffer_(gbuffer),
-      light_(light),
-      extent_(extent),
-      reference_(reference),
-      outline_(casters, light, rho() / 2, LitWays(gbuffer, light, reference, 8 * rho())) {
+    : scene_(scene), casters_(casters), gbuffer_(gbuffer), light_(light), extent_(extent), reference_(reference) {
   if (light.w != 0) at_light_ = casters_near(scene, gbuffer.truth, glm::dvec3(light), rho());
 }
 
@@ -143,7 +136,7 @@ std::uint32_t MovedRays::touching(const Pixels& pixels) const {
   return valid ? casters_.occluded(valid, packet, pixels.receivers()) : 0;
 }
 
-/// Whether a caster within rho of a dark point, closer than float32 can tell, holds the point in its plane, and so shades it
+/// Whether a caster within rho of a dark point, closer than float32 resolves, holds the point in its plane, and so shades it
 /// never.
 bool MovedRays::is_in_plane_at_start(std::size_t i) const {
   const Receiver receiver = receiver_at(scene_, gbuffer_, i);
@@ -163,7 +156,7 @@ bool MovedRays::is_shaded_on_the_way(std::size_t i) const {
   return is_shaded_by_any(i, casters_.met(point, light_.w != 0 ? to_light(light_, point) : beyond_everything * toward(i)));
 }
 
-/// Whether a caster at the point or the light, closer than float32 can tell, shades a lit point. Where the point is at the
+/// Whether a caster at the point or the light, closer than float32 resolves, shades a lit point. Where the point is at the
 /// border of its own triangle, which does not count, the ray may slip through between that and its neighbors.
 bool MovedRays::is_shaded_at_an_end(std::size_t i, bool is_touching) const {
   if (is_shaded_by_any(i, at_light_)) return true;

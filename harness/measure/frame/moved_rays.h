@@ -1,14 +1,12 @@
 #pragma once
 #include <gnomon/kit/geometry/receiver.h>
 
-#include <span>
-
 #include "measure/frame/outline.h"
 
 namespace gnomon {
 
-/// Asks the ray tracer again with the point or the light moved by rho, sixteen pixels at a time, and exact signs where float32
-/// cannot tell.
+/// Traces again with the point or the light moved by rho, sixteen pixels at a time, and exact signs where float32
+/// cannot decide.
 class MovedRays {
  public:
   MovedRays(const Scene& scene, const RayScene& casters, const GBuffer& gbuffer, const glm::dvec4& light, double extent,
@@ -43,7 +41,7 @@ class MovedRays {
   glm::dvec4 light_;
   double extent_;
   std::span<const float> reference_;
-  Outline outline_;
+  Outline outline_{casters_, light_, rho() / 2, LitWays(gbuffer_, light_, reference_, 8 * rho())};
   std::vector<RayScene::Met> at_light_;  ///< the casters within rho of a light at a place, and perhaps a few more
 };
 

@@ -23,10 +23,7 @@ void add_band(Mesh& bands, const glm::dvec3& a, const glm::dvec3& b, const glm::
   if (a == b) return;
   const glm::dvec3 from_a = to_light(light, a), from_b = to_light(light, b);
   glm::dvec3 aside = glm::cross(glm::normalize(b - a), unit_or_zero(from_a));
-  if (glm::length(aside) < 1e-12) {
-    const glm::dvec3 way = unit_or_zero(from_a == glm::dvec3(0) ? from_b : from_a);
-    aside = across(way)[0];
-  }
+  if (glm::length(aside) < 1e-12) aside = across(unit_or_zero(from_a == glm::dvec3(0) ? from_b : from_a))[0];
   aside = radius * glm::normalize(aside);
   const glm::dvec3 beyond_a = a - radius * unit_or_zero(glm::cross(from_a, aside)),
                    beyond_b = b + radius * unit_or_zero(glm::cross(from_b, aside));

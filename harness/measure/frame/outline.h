@@ -1,8 +1,6 @@
 #pragma once
 #include <gnomon/kit/rays/rays.h>
 
-#include <optional>
-
 #include "measure/frame/lit_ways.h"
 
 namespace gnomon {

@@ -2,7 +2,6 @@
 #include <gnomon/gbuffer.h>
 
 #include <algorithm>
-#include <span>
 
 #include "measure/frame/classify.h"
 
@@ -18,9 +17,7 @@ class PixelWindows {
   PixelWindows(int width, int height, std::span<const PixelClass> classes, const GBuffer* gbuffer)
       : width_(width), height_(height), classes_(classes), gbuffer_(gbuffer) {}
 
-  bool is_inside(int x, int y, int reach) const {
-    return x >= reach && y >= reach && x < width_ - reach && y < height_ - reach;
-  }
+  bool is_inside(int x, int y, int reach) const { return std::min({x, y, width_ - 1 - x, height_ - 1 - y}) >= reach; }
   bool is_one_object(std::size_t i, std::size_t j) const {
     return classes_[i] > PixelClass::F && classes_[j] > PixelClass::F && (!gbuffer_ || gbuffer_->mesh[i] == gbuffer_->mesh[j]);
   }

@@ -2,13 +2,9 @@
 #include <gnomon/kit/rays/rays.h>
 #include <tbb/parallel_for.h>
 
-#include <array>
-#include <cmath>
-#include <span>
-
 namespace gnomon {
 
-// Shadow rays of the pixels that are asked about a second time: sixteen at once, as the ray tracer wants them.
+// Shadow rays of pixels that are traced a second time, in the ray tracer's packets of sixteen.
 
 /// Where the ray to a homogeneous light ends, in lengths of the way there: a directional one has no end.
 inline float end_of(const glm::dvec4& light) { return light.w != 0 ? 1.0f : INFINITY; }

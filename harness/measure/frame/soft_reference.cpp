@@ -10,34 +10,26 @@ namespace gnomon {
 
 namespace {
 
-/// One pixel's questions to the ray tracer.
+/// The rays of one pixel.
 class SoftPixel {
  public:
   SoftPixel(const Scene& scene, const RayScene& casters, const GBuffer& gbuffer, const Light& light, std::size_t index)
-      : casters_(casters),
-        light_(light),
-        point_(gbuffer.position(index)),
-        normal_(gbuffer.normal(index)),
-        mesh_(gbuffer.mesh[index]),
-        triangle_(gbuffer.triangle[index]),
-        is_on_shape_(gbuffer.truth == Truth::shape && scene.meshes[mesh_].has_curved_shape()),
-        seed_(index),
-        face_(light, point_, normal_) {}
+      : scene_(scene), casters_(casters), gbuffer_(gbuffer), light_(light), index_(index) {}
 
-  const LightFigure& face() const { return face_; }
-  SampledShares shares(const AreaTarget& target) const { return sample_shares(rays(face_, {}, true), seed_, target); }
+  const LightFigure& figure() const { return figure_; }
+  SampledShares shares(const AreaTarget& target) const { return sample_shares(rays(figure_, {}, true), index_, target); }
 
   /// Mean over the blocked ones of sixteen ways to the light; 0 where none is.
   double caster_distance() const {
-    const Squares squares = Scramble(~std::uint64_t{seed_}).of_each(0);
-    const LightFigure::Box& box = face_.box();
+    const Squares squares = Scramble(~std::uint64_t{index_}).of_each(0);
+    const LightFigure::Box& box = figure_.box();
     const glm::dvec3 origin = point_ + static_cast<float>(area_ray_offset(point_)) * normal_;
     double sum = 0;
     int count = 0;
     for (std::size_t k = 0; k < squares.x.size(); ++k) {
       const glm::dvec2 place = box.low + glm::dvec2(squares.x[k], squares.y[k]) * (box.high - box.low);
-      if (!face_.holds(place)) continue;
-      const glm::dvec3 way = face_.at(place);
+      if (!figure_.holds(place)) continue;
+      const glm::dvec3 way = figure_.at(place);
       const RayScene::Hit hit = casters_.closest(origin, way);
       if (hit.mesh == no_mesh || hit.t >= 1) continue;
       sum += hit.t * glm::length(way);
@@ -49,7 +41,7 @@ class SoftPixel {
   /// Whether a share changes by more than `most` when point or light move by rho. One ray of sixteen that changes calls for
   /// 512.
   bool moves(double rho, double most) const {
-    Rest rest(rays(face_, {}, true), seed_);
+    Rest rest(rays(figure_, {}, true), index_);
     for (int shift = 0; shift < shift_count; ++shift) {
       const FaceRays moved = moved_rays(rho, shift);
       if (change(rest, moved, 1) > most && change(rest, moved, Rest::most_rounds) > most) return true;
@@ -60,19 +52,15 @@ class SoftPixel {
  private:
   static constexpr int shift_count = 11;
 
-  /// What rays find where nothing has moved, sixteen at a time, each asked for once.
+  /// What rays find where nothing has moved, sixteen at a time, each traced once.
   class Rest {
    public:
     static constexpr int most_rounds = 32;
-    Rest(const FaceRays& rays, std::uint64_t seed) : rays_(rays), scramble_(~seed) {}
-    const Squares& squares(int round) { return find(round).squares; }
-    const FaceHits& hits(int round) { return find(round).hits; }
-
-   private:
     struct Round {
       Squares squares;
       FaceHits hits;
     };
+    Rest(const FaceRays& rays, std::uint64_t seed) : rays_(rays), scramble_(~seed) {}
     const Round& find(int round) {
       for (; known_ <= round; ++known_) {
         rounds_[known_].squares = scramble_.of_each(static_cast<std::uint32_t>(known_));
@@ -80,21 +68,23 @@ class SoftPixel {
       }
       return rounds_[round];
     }
+
+   private:
     FaceRays rays_;
     Scramble scramble_;
     std::array<Round, most_rounds> rounds_;
     int known_ = 0;
   };
 
-  FaceRays rays(const LightFigure& face, const glm::vec3& moved, bool is_lifted) const {
+  FaceRays rays(const LightFigure& figure, const glm::vec3& moved, bool is_lifted) const {
     const glm::vec3 lift = is_lifted || is_on_shape_ ? static_cast<float>(area_ray_offset(point_)) * normal_ : glm::vec3(0);
-    return {casters_, point_ + moved + lift, lift, mesh_, triangle_, face};
+    return {casters_, point_ + moved + lift, lift, mesh_, gbuffer_.triangle[index_], figure};
   }
 
   /// The point moves along its two tangents, the light across the way to its center and along it, each both ways; then rays
   /// start at the point without the lift of the recipe.
   FaceRays moved_rays(double rho, int shift) const {
-    if (shift == shift_count - 1) return rays(face_, {}, false);
+    if (shift == shift_count - 1) return rays(figure_, {}, false);
     const double step = shift & 1 ? rho : -rho;
     const glm::dvec3 point(point_), to_center = glm::normalize(glm::dvec3(homogeneous_of_center(light_)) - point);
     const glm::dvec3 axis = shift < 4 ? glm::dvec3(normal_) : to_center;
@@ -106,10 +96,11 @@ class SoftPixel {
 
   /// The larger change of the two shares, from the same places.
   static double change(Rest& rest, const FaceRays& to, int rounds) {
-    double asked = 0, weight = 0, blocked = 0, blocked_weight = 0;
-    for (int round = 0; round < rounds; ++round) {
-      const FaceHits &a = rest.hits(round), b = to.ask(rest.squares(round));
-      asked += std::popcount(a.asked);
+    double traced = 0, weight = 0, blocked = 0, blocked_weight = 0;
+    for (int k = 0; k < rounds; ++k) {
+      const Rest::Round& round = rest.find(k);
+      const FaceHits &a = round.hits, b = to.ask(round.squares);
+      traced += std::popcount(a.asked);
       for (std::uint32_t left = a.asked; left; left &= left - 1) weight += a.weight[std::countr_zero(left)];
       for (std::uint32_t left = a.blocked ^ b.blocked; left; left &= left - 1) {
         const int k = std::countr_zero(left);
@@ -118,16 +109,18 @@ class SoftPixel {
         blocked_weight += sign * a.weight[k];
       }
     }
-    return asked > 0 ? std::max(std::abs(blocked) / asked, std::abs(blocked_weight) / weight) : 0;
+    return traced > 0 ? std::max(std::abs(blocked) / traced, std::abs(blocked_weight) / weight) : 0;
   }
 
+  const Scene& scene_;
   const RayScene& casters_;
+  const GBuffer& gbuffer_;
   const Light& light_;
-  glm::vec3 point_, normal_;
-  std::uint32_t mesh_, triangle_;
-  bool is_on_shape_;
-  std::uint64_t seed_;
-  LightFigure face_;
+  const std::size_t index_;  ///< also the seed
+  const glm::vec3 point_ = gbuffer_.position(index_), normal_ = gbuffer_.normal(index_);
+  const std::uint32_t mesh_ = gbuffer_.mesh[index_];
+  const bool is_on_shape_ = gbuffer_.truth == Truth::shape && scene_.meshes[mesh_].has_curved_shape();
+  const LightFigure figure_{light_, point_, normal_};
 };
 
 }  // namespace
@@ -142,13 +135,13 @@ SoftReference trace_soft(const Scene& scene, const RayScene& casters, const GBuf
   result.classes.assign(size, PixelClass::B);
   const bool has_room = is_resolved(scene, light, gbuffer.view);
   const double rho = 16 * 0x1p-24 * extent(scene, light, gbuffer.view), grazing = 0.035;
-  const auto ask = [&](std::size_t i) {
+  const auto decide = [&](std::size_t i) {
     PixelClass& of = result.classes[i];
     if (gbuffer.is_background(i)) return;
     of = PixelClass::F;
     if (!scene.meshes[gbuffer.mesh[i]].receives) return;
     const SoftPixel pixel(scene, casters, gbuffer, light, i);
-    if (!pixel.face().is_seen()) return;
+    if (!pixel.figure().is_seen()) return;
     const SampledShares shares = pixel.shares(target);
     result.area[i] = static_cast<float>(shares.area);
     result.irradiance[i] = static_cast<float>(shares.irradiance);
@@ -158,18 +151,15 @@ SoftReference trace_soft(const Scene& scene, const RayScene& casters, const GBuf
     result.irradiance_error[i] = static_cast<float>(shares.irradiance_error);
     result.rays[i] = shares.rays;
     if (shares.area > 0 && shares.area < 1) result.caster_distance[i] = static_cast<float>(pixel.caster_distance());
-    if (pixel.face().highest() < grazing)
-      of = PixelClass::G;
-    else if (!silhouettes.empty() && silhouettes[i])
-      of = PixelClass::S;
-    else if (!has_room || std::max(shares.area_error, shares.irradiance_error) > target.error ||
-             pixel.moves(rho, 4 * target.error))
-      of = PixelClass::U;
-    else
-      of = PixelClass::T;
+    of = PixelClass::G;
+    if (pixel.figure().highest() < grazing) return;
+    of = PixelClass::S;
+    if (!silhouettes.empty() && silhouettes[i]) return;
+    const bool has_error = std::max(shares.area_error, shares.irradiance_error) > target.error;
+    of = !has_room || has_error || pixel.moves(rho, 4 * target.error) ? PixelClass::U : PixelClass::T;
   };
   for_blocks(size, 64, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) ask(i);
+    for (std::size_t i = begin; i < end; ++i) decide(i);
     if (done) *done += end - begin;
   });
   return result;

@@ -1,10 +1,8 @@
 #include "measure/picture/detail_export.h"
 
-#include <gnomon/error.h>
 #include <gnomon/kit/pictures/surface_detail.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <iterator>
 #include <unordered_map>
@@ -65,7 +63,7 @@ std::string detail_obj(const Scene& scene, const SurfaceDetail& detail, std::spa
   std::string body, line;
   constexpr std::array<std::string_view, 3> kinds = {"lit", "penumbra", "shadowed"};
   std::array<std::size_t, 3> written{};  // of each kind
-  std::size_t left_out = 0, vertex_count = 0;
+  std::size_t vertex_count = 0;
   std::unordered_set<std::string> taken;
   for (std::size_t begin = 0, end = 0; begin < detail.polygons.size(); begin = end) {
     const std::uint32_t mesh = detail.polygons[begin].mesh;
@@ -84,10 +82,7 @@ std::string detail_obj(const Scene& scene, const SurfaceDetail& detail, std::spa
         if (face.empty() || face.back() != place->second) face.push_back(place->second);
       }
       while (face.size() > 1 && face.back() == face.front()) face.pop_back();
-      if (face.size() < 3)
-        ++left_out;
-      else
-        faces[polygon.is_lit ? 0 : polygon.is_penumbra ? 1 : 2].push_back(std::move(face));
+      if (face.size() >= 3) faces[polygon.is_lit ? 0 : polygon.is_penumbra ? 1 : 2].push_back(std::move(face));
     }
     for (std::size_t kind = 0; kind < kinds.size(); ++kind) {
       if (faces[kind].empty()) continue;
@@ -110,6 +105,7 @@ std::string detail_obj(const Scene& scene, const SurfaceDetail& detail, std::spa
   }
   const std::string penumbra = written[1] > 0 ? fmt::format("{} penumbra, ", written[1]) : "";
   head += fmt::format("# polygons: {} lit, {}{} shadowed\n", written[0], penumbra, written[2]);
+  const std::size_t left_out = detail.polygons.size() - written[0] - written[1] - written[2];
   if (left_out > 0) head += fmt::format("# left out: {} that are smaller than the last digit\n", left_out);
   return head + fmt::format("mtllib {}\n", mtl_name) + body;
 }

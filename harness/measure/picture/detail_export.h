@@ -1,11 +1,6 @@
 #pragma once
 #include <gnomon/technique.h>
 
-#include <span>
-#include <string>
-#include <string_view>
-#include <vector>
-
 namespace gnomon {
 
 /// A surface detail as bytes, for the way from a worker to its owner.

@@ -12,7 +12,7 @@ constexpr int line_height = 20, swatch_width = 12, ramp_width = 200, gap = 6;  /
 int text_width(const std::string& words) { return image_files().draw_text({}, 0, 0, 0, 0, words); }
 
 /// Lines of `width` pixels at most, unless a single word is wider. What does not fit into so many lines is cut off at a word,
-/// which dots tell.
+/// which dots mark.
 std::vector<std::string> break_lines(const std::string& text, int width, std::size_t most_lines) {
   std::vector<std::string> lines(1);
   std::istringstream words(text);
@@ -54,10 +54,8 @@ int PictureLegend::place(int width) {
 
 void PictureLegend::add(std::optional<Color> swatch, const std::string& words) {
   const int x = place((swatch ? swatch_width + gap : 0) + text_width(words));
-  if (swatch)
-    entries_.push_back({{*swatch}, swatch_width, words, x, line_});
-  else
-    entries_.push_back({{}, 0, words, x, line_});
+  const std::vector<Color> colors(swatch ? 1 : 0, swatch.value_or(Color()));
+  entries_.push_back({colors, swatch ? swatch_width : 0, words, x, line_});
 }
 
 void PictureLegend::add_ramp(const std::string& first, std::vector<Color> colors, const std::string& last) {
@@ -78,8 +76,7 @@ void PictureLegend::draw(Picture& picture, int top) const {
     for (int row = y; row < y + swatch_width; ++row)
       for (int column = entry.x; column < std::min(end, picture.width); ++column) {
         const bool is_edge = is_framed && (row == y || row == y + swatch_width - 1 || column == entry.x || column == end - 1);
-        const std::size_t k =
-            entry.colors.size() * static_cast<std::size_t>(column - entry.x) / static_cast<std::size_t>(entry.bar_width);
+        const std::size_t k = entry.colors.size() * (column - entry.x) / entry.bar_width;
         std::ranges::copy(is_edge ? frame : entry.colors[k],
                           &picture.rgb[3 * (static_cast<std::size_t>(row) * picture.width + column)]);
       }

@@ -1,8 +1,4 @@
 #pragma once
-#include <optional>
-#include <string>
-#include <vector>
-
 #include "measure/picture/picture.h"
 #include "measure/picture/shading.h"
 

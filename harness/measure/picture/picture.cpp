@@ -1,17 +1,14 @@
 #include "measure/picture/picture.h"
 
 #include <dlfcn.h>
-#include <gnomon/error.h>
 #include <gnomon/kit/irradiance.h>
 #include <gnomon/kit/parallel.h>
 
-#include <algorithm>
 #include <cassert>
 #include <cmath>
 
 #include "measure/part_file.h"
 #include "measure/picture/legend.h"
-#include "measure/picture/shading.h"
 
 namespace gnomon {
 
@@ -42,29 +39,10 @@ std::vector<double> received_light(const GBuffer& gbuffer, const Light& light) {
 
 std::string percent(double share) { return fmt::format("{:.{}f} %", 100 * share, share < 0.001 ? 4 : share < 0.1 ? 2 : 1); }
 
-namespace {
-
-Picture shade_exposed(const Scene& scene, const GBuffer& gbuffer, std::span<const double> received,
-                      std::span<const float> shares, double exposure, double white) {
-  Picture picture{gbuffer.width, gbuffer.height, std::vector<std::uint8_t>(gbuffer.size() * 3)};
-  const SrgbSteps& steps = srgb_steps();
-  for (std::size_t i = 0; i < gbuffer.size(); ++i) {
-    Color color = background_srgb;
-    if (!gbuffer.is_background(i))
-      color = shaded_srgb(steps, scene.meshes[gbuffer.mesh[i]].albedo,
-                          (scene.ambient + exposure * received[i] * shares[i]) / white);
-    std::ranges::copy(color, &picture.rgb[3 * i]);
-  }
-  return picture;
-}
-
-}  // namespace
-
 double exposure_of(const Scene& scene, const GBuffer& gbuffer, std::span<const double> received) {
   if (gbuffer.view.exposure > 0) return gbuffer.view.exposure;
   std::vector<double> lit;
-  for (const double irradiance : received)
-    if (irradiance > 0) lit.push_back(irradiance);
+  std::ranges::copy_if(received, std::back_inserter(lit), [](double irradiance) { return irradiance > 0; });
   if (lit.empty()) return 1;
   const auto bright = lit.begin() + static_cast<std::ptrdiff_t>(lit.size() - 1 - lit.size() / 10);
   std::ranges::nth_element(lit, bright);
@@ -77,7 +55,17 @@ Picture shade(const Scene& scene, const GBuffer& gbuffer, const Light& light, st
 
 Picture shade(const Scene& scene, const GBuffer& gbuffer, std::span<const double> received, std::span<const float> shares,
               double white) {
-  return shade_exposed(scene, gbuffer, received, shares, exposure_of(scene, gbuffer, received), white);
+  const double exposure = exposure_of(scene, gbuffer, received);
+  Picture picture{gbuffer.width, gbuffer.height, std::vector<std::uint8_t>(gbuffer.size() * 3)};
+  const SrgbSteps& steps = srgb_steps();
+  for (std::size_t i = 0; i < gbuffer.size(); ++i) {
+    Color color = background_srgb;
+    if (!gbuffer.is_background(i))
+      color = shaded_srgb(steps, scene.meshes[gbuffer.mesh[i]].albedo,
+                          (scene.ambient + exposure * received[i] * shares[i]) / white);
+    std::ranges::copy(color, &picture.rgb[3 * i]);
+  }
+  return picture;
 }
 
 double brightest(const Scene& scene, const GBuffer& gbuffer, std::span<const double> received) {
@@ -114,7 +102,7 @@ Picture draw_soft_mask(std::span<const float> visibility, int width, int height)
   legend.add(std::nullopt, "share of the light that is seen:");
   legend.add_ramp("0 umbra", std::move(grays), "1 lit");
   Picture picture = with_legend(draw_mask(visibility, width, height), legend);
-  // What is lit is as white as the legend: a line tells where the picture ends.
+  // Lit pixels are as white as the legend: a line marks the end of the picture.
   std::fill_n(picture.rgb.begin() + static_cast<std::ptrdiff_t>(visibility.size()) * 3, 3 * width, std::uint8_t{150});
   return picture;
 }
@@ -131,7 +119,7 @@ Picture draw_layer(std::span<const float> linear, int width, int height, const D
 }
 
 const ImageFiles& image_files() {
-  static const ImageFiles& files = [&]() -> const ImageFiles& {
+  static const ImageFiles& files = []() -> const ImageFiles& {
     // Found by the program's own search path, beside the kit.
     void* module = dlopen("libgnomon_images.so", RTLD_NOW | RTLD_LOCAL);
     if (!module) throw Error("the image module cannot be loaded: {}", dlerror());

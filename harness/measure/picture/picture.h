@@ -2,10 +2,6 @@
 #include <gnomon/technique.h>
 
 #include <filesystem>
-#include <span>
-#include <string>
-#include <utility>
-#include <vector>
 
 namespace gnomon {
 
@@ -30,7 +26,7 @@ double brightest(const Scene& scene, const GBuffer& gbuffer, std::span<const dou
 /// Visibility as gray, black in shadow.
 Picture draw_mask(std::span<const float> visibility, int width, int height);
 
-/// The same of a light with area, and below it what the grays stand for.
+/// The same of a light with area, and below it what the grays mean.
 Picture draw_soft_mask(std::span<const float> visibility, int width, int height);
 
 /// A technique's debug layer, width * height * 3 linear floats, and below it its sentence, in three lines at most, and its
@@ -47,7 +43,7 @@ struct ImageFiles {
   std::vector<float> (*read_exr)(const std::filesystem::path& path, const std::string& channel, int width, int height);
   /// Names of the channels of an EXR. Throws Error.
   std::vector<std::string> (*exr_channels)(const std::filesystem::path& path);
-  /// Width and height in pixels of an image file that may hold a mask. Throws Error, also where a legend stands below the
+  /// Width and height in pixels of an image file that may hold a mask. Throws Error, also where a legend is below the
   /// picture: then it has other rows than the view that it was made of.
   std::pair<int, int> (*exr_size)(const std::filesystem::path& path);
   /// Draws a line of dark text with its baseline at (x, y) and returns its width in pixels; on an empty picture, only that.

@@ -1,14 +1,8 @@
 #pragma once
 #include <gnomon/gbuffer.h>
-#include <gnomon/light.h>
-#include <gnomon/scene.h>
 
 #include <algorithm>
 #include <array>
-#include <cstdint>
-#include <span>
-#include <string>
-#include <vector>
 
 namespace gnomon {
 
@@ -46,7 +40,7 @@ inline std::uint8_t mask_gray(float visibility) {
   return static_cast<std::uint8_t>(visibility > 0 ? static_cast<double>(255 * std::min(visibility, 1.0f)) + 0.5 : 0);
 }
 
-/// The gray that colors of errors stand out from: right pixels keep their shading in light gray, untested ones sink to dark
+/// The gray behind the colors of errors: right pixels keep their shading in light gray, untested ones sink to dark
 /// gray.
 inline std::uint8_t dimmed(const Color& shaded, bool is_tested) {
   const int gray = (2 * shaded[0] + 5 * shaded[1] + shaded[2]) / 8;

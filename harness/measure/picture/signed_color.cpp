@@ -1,7 +1,6 @@
 #include "measure/picture/signed_color.h"
 
 #include <cassert>
-#include <cmath>
 
 namespace gnomon {
 

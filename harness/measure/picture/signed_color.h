@@ -1,6 +1,4 @@
 #pragma once
-#include <span>
-
 #include "measure/picture/shading.h"
 
 namespace gnomon {
@@ -12,8 +10,8 @@ namespace gnomon {
 inline constexpr std::array<double, 4> difference_scales{1, 0.3, 0.1, 0.03};
 
 /// The colors of differences from -full_scale to +full_scale, at equal distances; the middle one is that of 0. Darker than the
-/// reference is orange, lighter blue, and both get darker with their size: people who see fewer colors can tell the sides
-/// apart, and a gray print still the sizes.
+/// reference is orange, lighter blue, and both get darker with their size: people who see fewer colors can distinguish
+/// the sides, and a gray print still shows the sizes.
 std::span<const Color> signed_colors();
 
 /// The color of a difference, linear in sRGB between its neighbors; beyond the full scale that of its end, and of what is no

@@ -2,6 +2,7 @@
 #include <gnomon/param.h>
 
 #include <memory>
+#include <span>
 #include <string>
 #include <variant>
 #include <vector>
@@ -10,24 +11,24 @@ namespace gnomon {
 
 /// A parameter row by its description instead of a member of a class.
 struct DescribedParameter {
-  struct Whole {
-    int value;
-    Range<int> range;
+  template <class Value>
+  struct Ranged {
+    Value value;
+    Range<Value> range;
   };
-  struct Real {
-    double value;
-    Range<double> range;
-  };
+  using Whole = Ranged<int>;
+  using Real = Ranged<double>;
   struct Word {
     std::string value;
     std::vector<std::string> choices;
+    bool is_object = false;  ///< the choices are ids of techniques, whose rows follow
   };
   std::string name, unit, sentence;
   Stage stage = Stage::resolve;
   std::variant<Whole, Real, Word, bool> kind;
 };
 
-/// The row, whose description outlives it. Throws Error on a default that is not allowed.
-std::unique_ptr<Parameter> made(const DescribedParameter& row, Parametrized* owner);
+/// The rows, whose descriptions outlive them. Throws Error on a default that is not allowed.
+std::vector<std::unique_ptr<Parameter>> described_rows(std::span<const DescribedParameter> descriptions, Parametrized* owner);
 
 }  // namespace gnomon

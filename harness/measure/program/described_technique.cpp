@@ -1,9 +1,7 @@
 #include "measure/program/described_technique.h"
 
-#include <algorithm>
 #include <deque>
 
-#include "measure/program/described_parameter.h"
 #include "measure/program/description.h"
 
 namespace gnomon {
@@ -47,31 +45,8 @@ Enum enum_of(const Json& number, Enum last) {
   return static_cast<Enum>(value);
 }
 
-/// An object of the registry among the rows, of those that the plugin allows.
-class DescribedObject final : public ObjectParameter {
- public:
-  DescribedObject(Parametrized* owner, const DescribedParameter& row, const DescribedParameter::Word& word)
-      : ObjectParameter(owner, row.name, word.value, row.stage, row.sentence), ids_(word.choices) {}
-
- private:
-  std::vector<std::string> ids() const override { return ids_; }
-  std::string objection(std::string_view id) const override {
-    if (std::ranges::find(ids_, id) != ids_.end()) return "";
-    return fmt::format("did you mean {}?", nearest_word(id, ids_));
-  }
-  std::unique_ptr<Parametrized> made(std::string_view id) const override { return registry().technique(id).make(); }
-
-  std::vector<std::string> ids_;
-};
-
-struct DescribedRow {
+DescribedParameter row_of(const Json& json) {
   DescribedParameter row;
-  bool is_object = false;
-};
-
-DescribedRow row_of(const Json& json) {
-  DescribedRow result;
-  DescribedParameter& row = result.row;
   row.name = json.at("name").get<std::string>();
   row.unit = json.at("unit").get<std::string>();
   row.sentence = json.at("sentence").get<std::string>();
@@ -81,40 +56,42 @@ DescribedRow row_of(const Json& json) {
   if (!of_kind.is_object() || of_kind.size() != 1) throw Error("{} is no kind of parameter", json_text(of_kind));
   const std::string kind = of_kind.begin().key();
   const Json& facts = of_kind.begin().value();
+  const auto ranged = [&](auto zero) {
+    using Value = decltype(zero);
+    return DescribedParameter::Ranged<Value>{parse_json(value).get<Value>(),
+                                             {"", facts.at("min"), facts.at("max"), facts.at("log")}};
+  };
   if (kind == "whole")
-    row.kind = DescribedParameter::Whole{parse_json(value).get<int>(), {"", facts.at("min"), facts.at("max"), facts.at("log")}};
+    row.kind = ranged(int());
   else if (kind == "real")
-    row.kind =
-        DescribedParameter::Real{parse_json(value).get<double>(), {"", facts.at("min"), facts.at("max"), facts.at("log")}};
+    row.kind = ranged(double());
   else if (kind == "flag")
     row.kind = value == "true";
   else
-    row.kind = DescribedParameter::Word{value, facts.get<std::vector<std::string>>()};
-  result.is_object = kind == "object";
-  return result;
+    row.kind = DescribedParameter::Word{value, facts.get<std::vector<std::string>>(), kind == "object"};
+  return row;
 }
 
-/// Rows of a Parametrized by their descriptions.
-struct Rows {
-  Rows(Parametrized* owner, std::span<const DescribedRow> described) {
-    for (const DescribedRow& one : described)
-      if (one.is_object)
-        rows.push_back(std::make_unique<DescribedObject>(owner, one.row, std::get<DescribedParameter::Word>(one.row.kind)));
-      else
-        rows.push_back(made(one.row, owner));
+/// What both kinds of entries have.
+struct Facts {
+  Facts(const Json& sheet, const Json& object, const std::string& why_broken)
+      : id(sheet.at("id").get<std::string>()), broken(why_broken) {
+    if (object.is_null()) return;
+    for (const Json& row : object.at("parameters")) rows.push_back(row_of(row));
   }
-  std::vector<std::unique_ptr<Parameter>> rows;
+  std::string id, broken;
+  std::vector<DescribedParameter> rows;
 };
 
 class DescribedTechnique final : public Technique {
  public:
-  struct Facts {
-    std::vector<DescribedRow> rows;
+  struct AllFacts : Facts {
+    using Facts::Facts;
     std::vector<DebugLayer> layers;
     bool has_detail = false;
-    std::string id, broken;
   };
-  explicit DescribedTechnique(std::shared_ptr<const Facts> facts) : facts_(std::move(facts)), rows_(this, facts_->rows) {
+  explicit DescribedTechnique(std::shared_ptr<const AllFacts> facts)
+      : facts_(std::move(facts)), rows_(described_rows(facts_->rows, this)) {
     set_id(facts_->id);
   }
 
@@ -134,85 +111,94 @@ class DescribedTechnique final : public Technique {
     if (!facts_->broken.empty()) throw Error("{} {}", facts_->id, facts_->broken);
     throw Error("{} is of a plugin, and only workers run it", facts_->id);
   }
-  std::shared_ptr<const Facts> facts_;
-  Rows rows_;
+  std::shared_ptr<const AllFacts> facts_;
+  std::vector<std::unique_ptr<Parameter>> rows_;
 };
 
 class DescribedScene final : public SceneGenerator {
  public:
-  struct Facts {
-    std::vector<DescribedRow> rows;
-    std::string id, broken;
-    MakeScene make;
-  };
-  explicit DescribedScene(std::shared_ptr<const Facts> facts) : facts_(std::move(facts)), rows_(this, facts_->rows) {
+  DescribedScene(std::shared_ptr<const Facts> facts, MakeScene make)
+      : facts_(std::move(facts)), make_(std::move(make)), rows_(described_rows(facts_->rows, this)) {
     set_id(facts_->id);
   }
   Scene make() const override {
     if (!facts_->broken.empty()) throw Error("scene {} {}", facts_->id, facts_->broken);
-    return facts_->make(facts_->id, settings());
+    return make_(facts_->id, settings());
   }
 
  private:
   std::shared_ptr<const Facts> facts_;
-  Rows rows_;
+  MakeScene make_;
+  std::vector<std::unique_ptr<Parameter>> rows_;
 };
-
-std::vector<DescribedRow> rows_of(const Json& object) {
-  std::vector<DescribedRow> rows;
-  if (object.is_null()) return rows;
-  for (const Json& row : object.at("parameters")) rows.push_back(row_of(row));
-  return rows;
-}
 
 Json color_json(const glm::dvec3& color) { return {color.x, color.y, color.z}; }
 glm::dvec3 color_of(const Json& color) {
   return {color.at(0).get<double>(), color.at(1).get<double>(), color.at(2).get<double>()};
 }
 
-/// Calls use(key, text) for every text of a data sheet.
+/// Calls use(key, member) for every text and flag of a data sheet, and use(key, member, last) for every enum.
 template <class SomeAbout>
-void for_each_text(SomeAbout& about, const auto& use) {
+void for_each_fact(SomeAbout& about, const auto& use) {
   use("title", about.title);
   use("summary", about.summary);
+  use("is_default", about.is_default);
   if constexpr (std::is_same_v<std::remove_const_t<SomeAbout>, About>) {
     use("source", about.source);
     use("error", about.error);
     use("fails", about.fails);
+    use("promise", about.promise, Promise::sampled);
+    use("sees", about.sees, Truth::mesh);
+    use("estimates", about.estimates, LightShareKind::irradiance);
+    use("role", about.role, Role::reference);
+    use("floor", about.floor, Floor::copy);
+    use("needs_gl", about.needs_gl);
+    use("rasterizes", about.rasterizes);
+    use("named_only", about.named_only);
   }
 }
 
-/// A kept copy, which entries may look at for as long as this process lives.
+/// Id, texts, enums and flags of a data sheet.
+Json facts_json(const auto& entry) {
+  Json sheet = json_object({{"id", entry.id}});
+  for_each_fact(entry.about, [&](const char* key, const auto& fact, [[maybe_unused]] auto... last) {
+    if constexpr (sizeof...(last) > 0)
+      sheet[key] = static_cast<int>(fact);
+    else
+      sheet[key] = fact;
+  });
+  return sheet;
+}
+
+/// A copy that lives as long as this process, for entries to point to.
 std::string_view kept(const Json& text) {
   static std::deque<std::string> all;
   return all.emplace_back(text.get<std::string>());
 }
 
+void read_facts(const Json& sheet, auto& about) {
+  for_each_fact(about, [&](const char* key, auto& fact, [[maybe_unused]] auto... last) {
+    if constexpr (sizeof...(last) > 0)
+      fact = enum_of(sheet.at(key), last...);
+    else if constexpr (std::is_same_v<decltype(fact), bool&>)
+      fact = sheet.at(key).get<bool>();
+    else
+      fact = kept(sheet.at(key));
+  });
+}
+
 }  // namespace
 
 Json sheet_json(const TechniqueEntry& entry) {
-  const About& about = entry.about;
-  Json sheet = json_object({{"id", entry.id}});
-  for_each_text(about, [&](const char* key, std::string_view text) { sheet[key] = text; });
-  sheet["promise"] = static_cast<int>(about.promise);
-  sheet["sees"] = static_cast<int>(about.sees);
-  sheet["estimates"] = static_cast<int>(about.estimates);
-  sheet["role"] = static_cast<int>(about.role);
-  sheet["floor"] = static_cast<int>(about.floor);
-  sheet["needs_gl"] = about.needs_gl;
-  sheet["is_default"] = about.is_default;
-  sheet["rasterizes"] = about.rasterizes;
-  sheet["named_only"] = about.named_only;
+  Json sheet = facts_json(entry);
   sheet["causes"] = Json::array();
-  for (const OwnCause& cause : about.causes)
+  for (const OwnCause& cause : entry.about.causes)
     sheet["causes"].push_back(json_object({{"id", cause.id}, {"sentence", cause.sentence}, {"color", cause.color}}));
   return sheet;
 }
 
 Json sheet_json(const SceneEntry& entry) {
-  Json sheet = json_object({{"id", entry.id}});
-  for_each_text(entry.about, [&](const char* key, std::string_view text) { sheet[key] = text; });
-  sheet["is_default"] = entry.about.is_default;
+  Json sheet = facts_json(entry);
   sheet["keys"] = Json::array();
   for (const SceneKey& key : entry.about.keys)
     sheet["keys"].push_back(json_object({{"letter", static_cast<int>(key.letter)},
@@ -244,19 +230,12 @@ Json object_json(const SceneEntry& entry) {
 
 TechniqueEntry described_technique(const Json& sheet, const Json& object, const std::vector<std::string>& lights_known,
                                    const std::string& broken) {
+  const auto facts = std::make_shared<DescribedTechnique::AllFacts>(sheet, object, broken);
   TechniqueEntry entry;
-  entry.id = sheet.at("id").get<std::string>();
+  entry.id = facts->id;
+  entry.broken = broken;
   About& about = entry.about;
-  for_each_text(about, [&](const char* key, std::string_view& text) { text = kept(sheet.at(key)); });
-  about.promise = enum_of(sheet.at("promise"), Promise::sampled);
-  about.sees = enum_of(sheet.at("sees"), Truth::mesh);
-  about.estimates = enum_of(sheet.at("estimates"), LightShareKind::irradiance);
-  about.role = enum_of(sheet.at("role"), Role::reference);
-  about.floor = enum_of(sheet.at("floor"), Floor::copy);
-  about.needs_gl = sheet.at("needs_gl");
-  about.is_default = sheet.at("is_default");
-  about.rasterizes = sheet.at("rasterizes");
-  about.named_only = sheet.at("named_only");
+  read_facts(sheet, about);
   static std::deque<std::vector<OwnCause>> all_causes;  // that entries look at
   std::vector<OwnCause>& causes = all_causes.emplace_back();
   for (const Json& cause : sheet.at("causes"))
@@ -267,11 +246,6 @@ TechniqueEntry described_technique(const Json& sheet, const Json& object, const 
   for (const std::string& light : lights_known) lights.push_back(kept(light));
   if (lights.empty()) lights.assign(std::begin(all_light_kinds), std::end(all_light_kinds));
   about.lights = lights;
-
-  const auto facts = std::make_shared<DescribedTechnique::Facts>();
-  facts->id = entry.id;
-  facts->broken = broken;
-  facts->rows = rows_of(object);
   if (!object.is_null()) {
     facts->has_detail = object.at("has_detail");
     for (const Json& layer : object.at("layers")) {
@@ -280,27 +254,20 @@ TechniqueEntry described_technique(const Json& sheet, const Json& object, const 
         one.legend.push_back({swatch.at("name").get<std::string>(), color_of(swatch.at("color"))});
     }
   }
-  entry.broken = broken;
   entry.make = [facts] { return std::make_unique<DescribedTechnique>(facts); };
   entry.make();  // throws Error where a row is none
   return entry;
 }
 
 SceneEntry described_scene(const Json& sheet, const Json& object, const std::string& broken, const MakeScene& make) {
+  const auto facts = std::make_shared<const Facts>(sheet, object, broken);
   SceneEntry entry;
-  entry.id = sheet.at("id").get<std::string>();
-  SceneAbout& about = entry.about;
-  for_each_text(about, [&](const char* key, std::string_view& text) { text = kept(sheet.at(key)); });
-  about.is_default = sheet.at("is_default");
+  entry.id = facts->id;
+  read_facts(sheet, entry.about);
   for (const Json& key : sheet.at("keys"))
-    about.keys.push_back({static_cast<char>(key.at("letter").get<int>()), kept(key.at("parameter")), kept(key.at("value")),
-                          kept(key.at("sentence"))});
-  const auto facts = std::make_shared<DescribedScene::Facts>();
-  facts->id = entry.id;
-  facts->broken = broken;
-  facts->rows = rows_of(object);
-  facts->make = make;
-  entry.make = [facts] { return std::make_unique<DescribedScene>(facts); };
+    entry.about.keys.push_back({static_cast<char>(key.at("letter").get<int>()), kept(key.at("parameter")),
+                                kept(key.at("value")), kept(key.at("sentence"))});
+  entry.make = [facts, make] { return std::make_unique<DescribedScene>(facts, make); };
   entry.make();
   return entry;
 }

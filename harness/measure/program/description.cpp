@@ -3,9 +3,9 @@
 #include <unistd.h>
 
 #include <cstdlib>
-#include <map>
 #include <mutex>
 #include <set>
+#include <sstream>
 
 #include "measure/paths.h"
 #include "measure/printable.h"
@@ -18,12 +18,11 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// Texts of a list that must each be one of some words; `fallback` without the key.
+/// Texts of a list that must each be one of the `known` words; `fallback` without the key.
 std::vector<std::string> words_of(const toml::table& toml, const Table& table, std::string_view key,
-                                  std::span<const std::string_view> allowed, std::vector<std::string> fallback) {
+                                  const std::vector<std::string>& known, std::vector<std::string> fallback) {
   const toml::node* const node = toml.get(key);
   if (!node) return fallback;
-  const std::vector<std::string> known(allowed.begin(), allowed.end());
   const toml::array* const array = node->as_array();
   if (!array) table.refuse(key, "no list", "a list of " + joined(known, ", "));
   std::vector<std::string> words;
@@ -36,8 +35,13 @@ std::vector<std::string> words_of(const toml::table& toml, const Table& table, s
   return words;
 }
 
+/// Null where the key is missing or no array.
+const toml::array* array_of(const toml::table& toml, std::string_view key) {
+  return toml.get(key) ? toml.get(key)->as_array() : nullptr;
+}
+
 std::vector<std::string> command_of(const toml::table& toml, const Table& table, std::string_view key) {
-  const toml::array* const array = toml.get(key) ? toml.get(key)->as_array() : nullptr;
+  const toml::array* const array = array_of(toml, key);
   std::vector<std::string> words;
   for (std::size_t k = 0; array && k < array->size(); ++k) {
     const auto word = (*array)[k].value_exact<std::string>();
@@ -93,9 +97,8 @@ DescribedParameter parameter_of(const toml::table& toml, const fs::path& file, c
   } else if (value && value->is_string()) {
     refuse_keys({"min", "max", "log", "unit"}, "word");
     DescribedParameter::Word word{table.text("value"), {}};
-    const toml::array* const choices = toml.get("choices") ? toml.get("choices")->as_array() : nullptr;
-    for (std::size_t k = 0; choices && k < choices->size(); ++k)
-      word.choices.push_back((*choices)[k].value_exact<std::string>().value_or(""));
+    if (const toml::array* const choices = array_of(toml, "choices"))
+      for (const toml::node& choice : *choices) word.choices.push_back(choice.value_exact<std::string>().value_or(""));
     if (!holds(word.choices, word.value) || holds(word.choices, ""))
       table.refuse("choices", "this", fmt::format("a list of words with '{}' among them", word.value));
     row.kind = word;
@@ -115,7 +118,7 @@ DescribedParameter parameter_of(const toml::table& toml, const fs::path& file, c
 ProgramCause cause_of(const toml::table& toml, const fs::path& file) {
   const Table table(toml, file, "cause", {"id", "sentence", "color"});
   ProgramCause cause{table.text("id"), table.text("sentence")};
-  const toml::array* const color = toml.get("color") ? toml.get("color")->as_array() : nullptr;
+  const toml::array* const color = array_of(toml, "color");
   bool is_color = color && color->size() == cause.color.size();
   for (std::size_t c = 0; is_color && c < cause.color.size(); ++c) {
     const std::int64_t level = (*color)[c].value_exact<std::int64_t>().value_or(-1);
@@ -131,10 +134,8 @@ ProgramNeed need_of(const toml::table& toml, const fs::path& file) {
   ProgramNeed need;
   need.install = table.text("install");
   if (table.has("program") == table.has("runs")) table.refuse("program", "this", "one of program and runs, and only one");
-  if (table.has("program"))
-    need.program = table.text("program");
-  else
-    need.runs = command_of(toml, table, "runs");
+  if (table.has("program")) need.program = table.text("program");
+  if (table.has("runs")) need.runs = command_of(toml, table, "runs");
   return need;
 }
 
@@ -157,16 +158,13 @@ bool is_program(const fs::path& file) {
 }
 
 bool is_in_path(const std::string& program) {
-  const std::string path = search_path();
-  for (std::string_view rest = path; !rest.empty();) {
-    const std::size_t end = rest.find(':');
-    if (is_program(fs::path(rest.substr(0, end)) / program)) return true;
-    rest = end == rest.npos ? std::string_view() : rest.substr(end + 1);
-  }
+  std::istringstream folders(search_path());
+  for (std::string folder; std::getline(folders, folder, ':');)
+    if (is_program(fs::path(folder) / program)) return true;
   return false;
 }
 
-/// Titles, sentences, names and units are shown in a terminal: they do nothing else there.
+/// Titles, sentences, names and units are shown in a terminal, where they may do nothing else.
 void refuse_control_characters(const toml::table& table, const fs::path& file) {
   for (const auto& [key, value] : table) {
     const auto text = value.value_exact<std::string>();
@@ -212,20 +210,21 @@ std::shared_ptr<const ProgramDescription> read_program(const fs::path& file) {
   d.command = command_of(toml, table, "command");
   if (d.command[0].find('/') != std::string::npos)
     d.command[0] = fs::absolute(file.parent_path() / d.command[0]).lexically_normal().string();
-  const std::vector<std::string> stages = words_of(toml, table, "stages", stage_names, names_of_stages());
-  for (std::size_t s = 0; s < d.knows.size(); ++s) d.knows[s] = holds(stages, stage_names[s]);
-  if (!d.knows.back()) table.refuse("stages", "this", "a list with resolve, which makes the mask");
-  d.lights = words_of(toml, table, "lights", all_light_kinds, {"point", "spot", "directional"});
+  const auto list = [&](std::string_view key, const std::vector<std::string>& known, std::vector<std::string> fallback) {
+    return words_of(toml, table, key, known, std::move(fallback));
+  };
+  const std::vector<std::string> stages = list("stages", names_of_stages(), names_of_stages());
+  for (std::size_t s = 0; s < d.has_stage.size(); ++s) d.has_stage[s] = holds(stages, stage_names[s]);
+  if (!d.has_stage.back()) table.refuse("stages", "this", "a list with resolve, which makes the mask");
+  d.lights = list("lights", {std::begin(all_light_kinds), std::end(all_light_kinds)}, {"point", "spot", "directional"});
   d.light_kinds.assign(d.lights.begin(), d.lights.end());
   d.about.lights = d.light_kinds;
   if (table.has("approximate")) d.approximate = table.text("approximate");
-  constexpr std::string_view questions[] = {"supports", "explain"};
-  const std::vector<std::string> answers = words_of(toml, table, "answers", questions, {});
+  const std::vector<std::string> answers = list("answers", {"supports", "explain"}, {});
   d.answers_supports = holds(answers, "supports");
   d.explains = holds(answers, "explain");
-  constexpr std::string_view scene_files[] = {"arrays", "gltf"}, gbuffer_files[] = {"arrays", "exr"};
-  const std::vector<std::string> scene = words_of(toml, table, "scene", scene_files, {"arrays"}),
-                                 gbuffer = words_of(toml, table, "gbuffer", gbuffer_files, {"arrays"});
+  const std::vector<std::string> scene = list("scene", {"arrays", "gltf"}, {"arrays"});
+  const std::vector<std::string> gbuffer = list("gbuffer", {"arrays", "exr"}, {"arrays"});
   d.wants_scene_arrays = holds(scene, "arrays");
   d.wants_gltf = holds(scene, "gltf");
   d.wants_gbuffer_arrays = holds(gbuffer, "arrays");

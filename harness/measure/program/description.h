@@ -3,15 +3,12 @@
 
 #include <array>
 #include <filesystem>
-#include <memory>
-#include <string>
-#include <vector>
 
 #include "measure/program/described_parameter.h"
 
 namespace gnomon {
 
-/// A cause of wrong pixels that the program alone has (OwnCause).
+/// A cause of wrong pixels that only this program has (OwnCause).
 struct ProgramCause {
   std::string id, sentence;
   std::array<std::uint8_t, 3> color{};
@@ -36,8 +33,8 @@ struct ProgramDescription {
   std::string title, summary, source, error, fails;
   About about;                                ///< of the texts above
   std::vector<std::string> command;           ///< run in the file's folder; the first word ready for exec
-  std::array<bool, 4> knows{};                ///< by stage: whether the program is told of it
-  std::vector<std::string> lights;            ///< kinds that it knows
+  std::array<bool, 4> has_stage{};            ///< by stage: whether the program does it
+  std::vector<std::string> lights;            ///< kinds that it supports
   std::vector<std::string_view> light_kinds;  ///< the same, for `about`
   std::string approximate;                    ///< why its answers are; empty: they are not
   bool answers_supports = false, explains = false;
@@ -52,8 +49,8 @@ struct ProgramDescription {
 /// Reads and checks it. Throws Error with file and line.
 std::shared_ptr<const ProgramDescription> read_program(const std::filesystem::path& file);
 
-/// What it is made of: its description, those words of its command that are files where it runs, and the files of the folder
-/// ID beside ID.toml.
+/// The files of a program: its description, those words of its command that are files where it runs, and the files of the
+/// folder ID beside ID.toml.
 std::vector<std::filesystem::path> program_files(const ProgramDescription& description);
 
 /// Where programs are looked for: beside this one, then in PATH.

@@ -3,37 +3,30 @@
 #include <gnomon/plugins.h>
 #include <gnomon/registry.h>
 
-#include <algorithm>
-#include <map>
-
 #include "measure/paths.h"
 #include "measure/program/description.h"
-#include "measure/record/origin.h"
 #include "measure/scene/blob.h"
 
 namespace gnomon {
 
 namespace {
 
-const std::string& origin_of(const std::string& technique) {
-  static const std::string nowhere;
+std::string origin_of(const std::string& technique) {
   const TechniqueEntry* const entry = registry().find_technique(technique);
-  return entry ? entry->origin : nowhere;
+  return entry ? entry->origin : "";
 }
 
 const PluginFacts* plugin_of(const std::string& technique) {
-  const std::string& origin = origin_of(technique);
-  if (origin.empty()) return nullptr;
+  const std::string origin = origin_of(technique);
   const auto found = std::ranges::find(loaded_plugins(), origin, &PluginFacts::path);
-  return found == loaded_plugins().end() ? nullptr : &*found;
+  return origin.empty() || found == loaded_plugins().end() ? nullptr : &*found;
 }
 
-/// What a technique from outside is made of: a plugin's file; a program's description, and what of its command is a file.
+/// The files of a technique from outside: a plugin's library; a program's description, and what of its command is a file.
 std::vector<std::filesystem::path> files_of(const std::string& technique) {
   if (const PluginFacts* const plugin = plugin_of(technique)) return {plugin->file};
-  const std::string& origin = origin_of(technique);
-  if (!origin.ends_with(".toml")) return {};
-  return program_files(*read_program(origin));
+  const std::string origin = origin_of(technique);
+  return origin.ends_with(".toml") ? program_files(*read_program(origin)) : std::vector<std::filesystem::path>();
 }
 
 /// Empty for a technique that is built in.
@@ -51,24 +44,31 @@ const std::string& hash_of_files(const std::string& technique) {
 std::string from_outside(const std::string& technique, const std::string& settings) {
   const TechniqueEntry* const entry = registry().find_technique(technique);
   if (!entry || !entry->origin.empty()) return technique;
-  const auto object = entry->make();
-  try {
-    object->apply(settings);
-  } catch (const Error&) {
-    return technique;  // of a record whose settings are none any more
-  }
-  for (const Parameter* const row : object->parameters())
-    if (dynamic_cast<const ObjectParameter*>(&typed(*row)) && !origin_of(row->text()).empty()) return row->text();
-  return technique;
+  const std::vector<std::string> inner = inner_techniques(technique, settings);
+  const auto found = std::ranges::find_if(inner, [](const std::string& id) { return !origin_of(id).empty(); });
+  return found == inner.end() ? technique : *found;
 }
 
-/// A program that comes with the testbed by its place below it, wherever that lies: "techniques/pov_ray.toml".
+/// A program that comes with the testbed by its path within the testbed, wherever that is installed: "techniques/pov_ray.toml".
 std::string path_of(const std::string& origin) {
   const std::string root = find_data_root().string() + "/";
   return root.size() > 1 && origin.starts_with(root) ? origin.substr(root.size()) : origin;
 }
 
 }  // namespace
+
+std::vector<std::string> inner_techniques(const std::string& technique, const std::string& settings) {
+  std::vector<std::string> inner;
+  const auto object = registry().technique(technique).make();
+  try {
+    object->apply(settings);
+  } catch (const Error&) {
+    return inner;  // of a record whose settings are not valid any more
+  }
+  for (const Parameter* const row : object->parameters())
+    if (dynamic_cast<const ObjectParameter*>(&typed(*row))) inner.push_back(row->text());
+  return inner;
+}
 
 Json plugin_facts(const std::string& contender, const std::string& settings) {
   const std::string technique = from_outside(contender, settings);
@@ -85,8 +85,8 @@ Json plugin_facts(const std::string& contender, const std::string& settings) {
 }
 
 bool has_other_plugin(const Record& record) {
-  if (!registry().find_technique(record.technique)) return false;
-  return plugin_hash(record) != hash_of_files(from_outside(record.technique, record.settings));
+  return registry().find_technique(record.technique) &&
+         plugin_hash(record) != hash_of_files(from_outside(record.technique, record.settings));
 }
 
 }  // namespace gnomon

@@ -1,12 +1,10 @@
 #include "measure/program/program_files.h"
 
 #include <fcntl.h>
-#include <gnomon/error.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include <bit>
-#include <cmath>
 #include <cstdlib>
 #include <cstring>
 #include <functional>

@@ -1,9 +1,6 @@
 #pragma once
 #include <gnomon/gbuffer.h>
 
-#include <filesystem>
-#include <optional>
-
 #include "measure/json.h"
 #include "measure/program/description.h"
 #include "measure/scratch_folder.h"

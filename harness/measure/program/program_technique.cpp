@@ -5,7 +5,6 @@
 #include <set>
 
 #include "measure/paths.h"
-#include "measure/program/description.h"
 #include "measure/program/elsewhere.h"
 #include "measure/program/explanation_json.h"
 #include "measure/program/program_files.h"
@@ -18,7 +17,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// Where gnomon_technique.py lies: in the source tree, or installed.
+/// The folder of gnomon_technique.py: in the source tree, or installed.
 fs::path python_folder() {
   const fs::path root = find_data_root();
   return fs::is_directory(root / "harness/python") ? root / "harness/python" : root / "python";
@@ -32,9 +31,9 @@ int usable_cores() {
 
 class ProgramTechnique final : public Technique, public WorksElsewhere {
  public:
-  explicit ProgramTechnique(std::shared_ptr<const ProgramDescription> description) : d_(std::move(description)) {
+  explicit ProgramTechnique(std::shared_ptr<const ProgramDescription> description)
+      : d_(std::move(description)), rows_(described_rows(d_->parameters, this)) {
     set_id(d_->id);
-    for (const DescribedParameter& row : d_->parameters) rows_.push_back(made(row, this));
   }
 
   Support supports(const Scene& scene, const Light& light, const View& view) const override {
@@ -63,7 +62,7 @@ class ProgramTechnique final : public Technique, public WorksElsewhere {
     file.read(mask);
   }
 
-  /// Those that the stages answered last, and `bytes`: what the process has grown by since it started, unless it says so
+  /// The last counts of each stage, and `bytes`: by how much the process has grown since it started, unless it counts that
   /// itself.
   Counts counts() const override {
     Counts all;
@@ -84,11 +83,8 @@ class ProgramTechnique final : public Technique, public WorksElsewhere {
     return explain_all(std::vector{static_cast<std::uint32_t>(index)}).at(0);
   }
   std::vector<std::optional<Explanation>> explain_all(std::span<const std::uint32_t> pixels) const override {
+    if (!d_->explains) return std::vector<std::optional<Explanation>>(pixels.size());
     std::vector<std::optional<Explanation>> all;
-    if (!d_->explains) {
-      all.resize(pixels.size());
-      return all;
-    }
     constexpr std::size_t portion = 1000;
     while (all.size() < pixels.size()) {
       const auto some = pixels.subspan(all.size(), std::min(portion, pixels.size() - all.size()));
@@ -138,10 +134,10 @@ class ProgramTechnique final : public Technique, public WorksElsewhere {
     return *program_;
   }
 
-  /// One stage, where the program knows it.
+  /// One stage, where the program has it.
   void tell(Stage stage, std::initializer_list<JsonField> facts) {
     own_ms_ = 0;
-    if (!d_->knows[static_cast<std::size_t>(stage)]) return;
+    if (!d_->has_stage[static_cast<std::size_t>(stage)]) return;
     Json request = json_object({{"do", name(stage)}, {"settings", settings_json()}});
     for (const JsonField& fact : facts) request[fact.key] = fact.value;
     const Json answer = program().process.ask(request);
@@ -175,7 +171,7 @@ class ProgramTechnique final : public Technique, public WorksElsewhere {
     return counts;
   }
 
-  /// By a process of its own: it is asked before anything runs.
+  /// By a process of its own, because this comes before anything runs.
   Support asked_support(const Scene& scene, const Light& light, const View& view) const {
     Running running(*d_);
     const Json answer = running.process.ask(json_object({{"do", "supports"},
@@ -207,12 +203,10 @@ void load_program(const fs::path& file) {
   if (const TechniqueEntry* const known = registry().find_technique(description->id);
       known && fs::equivalent(file, known->origin, ignored))
     return;
-  TechniqueEntry entry;
-  entry.id = description->id;
-  entry.about = description->about;
-  entry.make = [description] { return std::make_unique<ProgramTechnique>(description); };
-  entry.origin = file.string();
-  registry().add(std::move(entry));
+  registry().add(TechniqueEntry{.id = description->id,
+                                .about = description->about,
+                                .make = [description] { return std::make_unique<ProgramTechnique>(description); },
+                                .origin = file.string()});
 }
 
 void load_programs_of(const fs::path& folder) {

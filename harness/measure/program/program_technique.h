@@ -5,11 +5,11 @@
 
 namespace gnomon {
 
-/// Version of the protocol that a program speaks, docs/protocol.md.
+/// Version of the protocol with programs, docs/protocol.md.
 inline constexpr int program_protocol = 1;
 
-/// The technique that a description tells of, registered under the file's stem; the same file again changes nothing. Throws
-/// Error on a file that is no description, and on an id that another has.
+/// Registers the technique of a description under the file's stem; the same file again changes nothing. Throws Error on a file
+/// that is no description, and on an id that another has.
 void load_program(const std::filesystem::path& file);
 
 /// Every FOLDER/*.toml, in the order of their names.

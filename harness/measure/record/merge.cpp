@@ -1,15 +1,10 @@
 #include "measure/record/merge.h"
 
-#include <gnomon/error.h>
-
-#include <algorithm>
-#include <map>
 #include <set>
 #include <unordered_map>
 
 #include "measure/part_file.h"
 #include "measure/paths.h"
-#include "measure/record/origin.h"
 #include "measure/record/scene_place.h"
 #include "measure/scene/blob.h"
 
@@ -33,7 +28,7 @@ Json content(const Record& record) {
   return part.flatten();
 }
 
-/// "/metrics/shape/wrong_rate" as people write it.
+/// "/metrics/shape/wrong_rate" as "metrics.shape.wrong_rate".
 std::string dotted(std::string path) {
   path.erase(0, 1);
   std::ranges::replace(path, '/', '.');
@@ -55,36 +50,35 @@ void require_inside(const fs::path& path, const MergedRow& row) {
 
 /// A note for each fact that should be one for all rows and is not.
 void note_mixture(Merge& merge) {
+  constexpr std::string_view times = "their times are not comparable", rows = "their rows may not be comparable";
   struct Fact {
-    const char *name, *consequence;
-    std::function<std::string(const Record&)> of;
+    std::string_view name, consequence, key;  ///< key in the context; empty: the suite
   };
-  const auto in_context = [](const char* key) { return [key](const Record& r) { return context_text(r, key); }; };
-  const char *times = "their times are not comparable", *rows = "their rows may not be comparable";
-  const Fact facts[] = {
-      {"suites", "the table holds all of them", [](const Record& r) { return r.suite; }},
-      {"versions", rows, in_context("version")},
-      {"commits", rows, in_context("commit")},
-      {"builds", rows, in_context("build")},
-      {"build types", times, in_context("build_type")},
-      {"processors", times, in_context("processor")},
-      {"numbers of threads", times, in_context("threads")},
-      {"OpenGL renderers", times, in_context("gl_renderer")},
+  constexpr Fact facts[] = {
+      {"suites", "the table holds all of them", ""},
+      {"versions", rows, "version"},
+      {"commits", rows, "commit"},
+      {"builds", rows, "build"},
+      {"build types", times, "build_type"},
+      {"processors", times, "processor"},
+      {"numbers of threads", times, "threads"},
+      {"OpenGL renderers", times, "gl_renderer"},
   };
-  for (const Fact& fact : facts) {
+  for (const auto& [name, consequence, key] : facts) {
     std::map<std::string, std::size_t> counts;
     for (const MergedRow& row : merge.rows)
-      if (const std::string value = fact.of(row.record); !value.empty()) ++counts[value];
+      if (const std::string value = key.empty() ? row.record.suite : context_text(row.record, key); !value.empty())
+        ++counts[value];
     if (counts.size() < 2) continue;
-    std::string values;
+    std::vector<std::string> values;
     for (const auto& [value, count] : counts)
-      values += fmt::format("{}{} ({} row{})", values.empty() ? "" : ", ", value, count, count == 1 ? "" : "s");
-    merge.notes.push_back(fmt::format("different {}: {}; {}", fact.name, values, fact.consequence));
+      values.push_back(fmt::format("{} ({} row{})", value, count, count == 1 ? "" : "s"));
+    merge.notes.push_back(fmt::format("different {}: {}; {}", name, joined(values), consequence));
   }
 }
 
-/// Scenes that changed between rows. One that a machine had not fetched has a row without a scene there, and its real rows of
-/// that shard are nowhere.
+/// Scenes that changed between rows. Where a machine had not fetched a scene, it has a row without a scene, and the real rows
+/// of its shard are missing.
 void note_scenes(Merge& merge) {
   // Under different lights a scene has different hashes (scene_hash).
   std::map<std::string, std::map<std::string, std::set<std::string>>> hashes;
@@ -106,7 +100,7 @@ void note_scenes(Merge& merge) {
                                         scene, joined(folders, ", ")));
 }
 
-/// A hole in the numbering of a suite's rows. Rows after the last one that is there cannot be known to be missing.
+/// A hole in the numbering of a suite's rows. Rows missing after the last one cannot be detected.
 void note_holes(Merge& merge) {
   std::map<std::string, std::set<std::uint64_t>> places;
   for (const MergedRow& row : merge.rows) places[row.record.suite].insert(row.record.place);
@@ -122,14 +116,12 @@ void note_holes(Merge& merge) {
 std::vector<std::string> differences(const Record& a, const Record& b) {
   const Json left = content(a), right = content(b);
   std::vector<std::string> result;
-  const auto text = [](const Json& json, const std::string& key) {
-    return json.contains(key) ? json_text(json[key]) : "nothing";
-  };
   for (const auto& [key, value] : left.items())
     if (!right.contains(key) || right[key] != value)
-      result.push_back(fmt::format("{}: {}, {}", dotted(key), text(left, key), text(right, key)));
+      result.push_back(
+          fmt::format("{}: {}, {}", dotted(key), json_text(value), right.contains(key) ? json_text(right[key]) : "nothing"));
   for (const auto& [key, value] : right.items())
-    if (!left.contains(key)) result.push_back(fmt::format("{}: nothing, {}", dotted(key), text(right, key)));
+    if (!left.contains(key)) result.push_back(fmt::format("{}: nothing, {}", dotted(key), json_text(value)));
   return result;
 }
 
@@ -182,7 +174,7 @@ std::size_t write_merge(const Merge& merge, const fs::path& out, const std::func
     std::size_t missing = 0;
     for (const MergedRow& row : merge.rows) {
       Record record = row.record;
-      if (context_text(record, "scene_file").size() > 0) {  // it led there from another folder
+      if (!context_text(record, "scene_file").empty()) {  // a path from another folder
         const auto path = path_to_scene(target, scene_reference(record, row.folder));
         record.context["scene_file"] = path ? Json(*path) : Json();
       }

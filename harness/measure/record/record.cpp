@@ -1,9 +1,5 @@
 #include "measure/record/record.h"
 
-#include <algorithm>
-
-#include "measure/fields.h"
-
 namespace gnomon {
 
 Record::Record() = default;
@@ -23,111 +19,50 @@ std::string_view name(Role role) {
   return names[static_cast<int>(role)];
 }
 
-template <>
-inline constexpr int enum_size<Status> = 3;
-template <>
-inline constexpr int enum_size<Role> = 3;
+static constexpr int enumerator_count(Status) { return 3; }
+static constexpr int enumerator_count(Role) { return 3; }
 
-// Each calls use(key, member) for every field in the order that the file has them, for writing and for reading; of a record,
-// for every field but `schema`.
-static void for_each_field(MaybeConst<Record::FloorTimes> auto& floor, const auto& use) {
-  use("pass", floor.pass);
-  use("ms", floor.ms);
-  use("device_ms", floor.device_ms);
+// Fields in the order of the file, for writing and for reading; of a record, every field but `schema`.
+static void for_each_field(MaybeConst<Record::FloorTimes> auto& r, const auto& use) {
+  use("pass", r.pass, "ms", r.ms, "device_ms", r.device_ms);
 }
-static void for_each_field(MaybeConst<Record::ReferenceFacts::GlobalFacts> auto& facts, const auto& use) {
-  use("samples", facts.samples);
-  use("rays", facts.rays);
-  use("error", facts.error);
+static void for_each_field(MaybeConst<Record::ReferenceFacts::GlobalFacts> auto& r, const auto& use) {
+  use("samples", r.samples, "rays", r.rays, "error", r.error);
 }
-static void for_each_field(MaybeConst<Record::ReferenceFacts> auto& facts, const auto& use) {
-  use("estimates", facts.estimates);
-  use("target", facts.target);
-  use("cap", facts.cap);
-  use("rays", facts.rays);
-  use("error_mean", facts.error_mean);
-  use("error_max", facts.error_max);
-  use("global", facts.global);
+static void for_each_field(MaybeConst<Record::ReferenceFacts> auto& r, const auto& use) {
+  use("estimates", r.estimates, "target", r.target, "cap", r.cap, "rays", r.rays);
+  use("error_mean", r.error_mean, "error_max", r.error_max, "global", r.global);
 }
-static void for_each_field(MaybeConst<Record::LightFacts> auto& light, const auto& use) {
-  use("name", light.name);
-  use("kind", light.kind);
-  use("answer", light.answer);
-  use("support", light.support);
-  use("reason", light.reason);
-  use("reference", light.reference);
-  use("classes", light.classes);
-  use("metrics", light.metrics);
-  use("causes", light.causes);
-  use("cause_errors", light.cause_errors);
+static void for_each_field(MaybeConst<Record::LightFacts> auto& r, const auto& use) {
+  use("name", r.name, "kind", r.kind, "answer", r.answer, "support", r.support, "reason", r.reason);
+  use("reference", r.reference, "classes", r.classes, "metrics", r.metrics);
+  use("causes", r.causes, "cause_errors", r.cause_errors);
 }
-static void for_each_field(MaybeConst<Record::OwnCauseFacts> auto& cause, const auto& use) {
-  use("name", cause.name);
-  use("sentence", cause.sentence);
-  use("color", cause.color);
+static void for_each_field(MaybeConst<Record::OwnCauseFacts> auto& r, const auto& use) {
+  use("name", r.name, "sentence", r.sentence, "color", r.color);
 }
-static void for_each_field(MaybeConst<Record::SceneFacts> auto& facts, const auto& use) {
-  use("meshes", facts.meshes);
-  use("triangles", facts.triangles);
-  use("closed", facts.closed);
-  use("boundary_edges", facts.boundary_edges);
-  use("nonmanifold_edges", facts.nonmanifold_edges);
-  use("misoriented_edges", facts.misoriented_edges);
-  use("degenerate", facts.degenerate);
+static void for_each_field(MaybeConst<Record::SceneFacts> auto& r, const auto& use) {
+  use("meshes", r.meshes, "triangles", r.triangles, "closed", r.closed);
+  use("boundary_edges", r.boundary_edges, "nonmanifold_edges", r.nonmanifold_edges);
+  use("misoriented_edges", r.misoriented_edges, "degenerate", r.degenerate);
 }
 static void for_each_field(MaybeConst<Record> auto& r, const auto& use) {
-  use("job", r.job);
-  use("suite", r.suite);
-  use("scene", r.scene);
-  use("light", r.light);
-  use("light_kind", r.light_kind);
-  use("view", r.view);
-  use("technique", r.technique);
-  use("settings", r.settings);
-  use("label", r.label);
-  use("role", r.role);
-  use("parameters", r.parameters);
-  use("width", r.width);
-  use("height", r.height);
-  use("truth", r.truth);
-  use("path", r.path);
-  use("place", r.place);
-  use("status", r.status);
-  use("support", r.support);
-  use("reason", r.reason);
-  use("stages", r.stages);
-  use("device_stages", r.device_stages);
-  use("harness_stages", r.harness_stages);
-  use("iterations", r.iterations);
-  use("stop", r.stop);
-  use("counts", r.counts);
-  use("bytes", r.bytes);
-  use("peak_bytes", r.peak_bytes);
-  use("floor", r.floor);
-  use("gl", r.gl);
-  use("lights", r.lights);
-  use("answer", r.answer);
-  use("shares_build", r.shares_build);
-  use("classes", r.classes);
-  use("metrics", r.metrics);
-  use("causes", r.causes);
-  use("own_causes", r.own_causes);
-  use("cause_errors", r.cause_errors);
-  use("frames", r.frames);
-  use("exposure", r.exposure);
-  use("mask", r.mask);
-  use("error_picture", r.error_picture);
-  use("shaded_picture", r.shaded_picture);
-  use("scene_facts", r.scene_facts);
-  use("notes", r.notes);
-  use("context", r.context);
-  use("seconds", r.seconds);
+  use("job", r.job, "suite", r.suite, "scene", r.scene, "light", r.light, "light_kind", r.light_kind, "view", r.view);
+  use("technique", r.technique, "settings", r.settings, "label", r.label, "role", r.role, "parameters", r.parameters);
+  use("width", r.width, "height", r.height, "truth", r.truth, "path", r.path, "place", r.place);
+  use("status", r.status, "support", r.support, "reason", r.reason);
+  use("stages", r.stages, "device_stages", r.device_stages, "harness_stages", r.harness_stages);
+  use("iterations", r.iterations, "stop", r.stop, "counts", r.counts, "bytes", r.bytes, "peak_bytes", r.peak_bytes);
+  use("floor", r.floor, "gl", r.gl, "lights", r.lights, "answer", r.answer, "shares_build", r.shares_build);
+  use("classes", r.classes, "metrics", r.metrics, "causes", r.causes, "own_causes", r.own_causes);
+  use("cause_errors", r.cause_errors, "frames", r.frames, "exposure", r.exposure);
+  use("mask", r.mask, "error_picture", r.error_picture, "shaded_picture", r.shaded_picture);
+  use("scene_facts", r.scene_facts, "notes", r.notes, "context", r.context, "seconds", r.seconds);
 }
 
 std::string context_text(const Record& record, std::string_view key) {
   const auto found = record.context.find(key);
-  if (found == record.context.end() || found->is_null()) return "";
-  return plain_text(*found);
+  return found == record.context.end() || found->is_null() ? "" : plain_text(*found);
 }
 
 std::optional<double> Record::metric(Truth of, std::string_view name) const {
@@ -168,7 +103,7 @@ void from_json(const Json& json, Record& record) {
         "the folder with scripts/convert_records",
         schema, record_schema);
   if (schema > record_schema) throw Error("schema = {} is that of a newer program, this one reads {}", schema, record_schema);
-  for_each_field(r, take);
+  for_each_field(r, UseFields{take});
   // More would not fit into a picture of causes as numbers of one byte.
   constexpr std::size_t most_own_causes = 200;
   if (r.own_causes.size() > most_own_causes) throw Error("own_causes is not an array of at most {}", most_own_causes);

@@ -1,26 +1,17 @@
 #pragma once
 #include <gnomon/technique.h>
 
-#include <array>
-#include <cstdint>
 #include <filesystem>
 #include <fstream>
 #include <functional>
-#include <map>
-#include <optional>
-#include <span>
-#include <string>
-#include <vector>
 
-#include "measure/answer_kind.h"
 #include "measure/gl_inputs.h"
-#include "measure/json.h"
 #include "measure/statistics/statistics.h"
 
 namespace gnomon {
 
 /// Version of the record's fields: the one that is written and read. One more with every change; scripts/results --convert
-/// brings kept folders along.
+/// converts kept folders.
 inline constexpr int record_schema = 6;
 
 enum class Status { ok, unsupported, failed };
@@ -33,7 +24,7 @@ using Metrics = std::map<std::string, std::optional<double>, std::less<>>;
 /// One row: what one technique did with one scene, light and view. Raw first: every repetition of every stage, so that a new
 /// statistic or metric reads old runs. Missing is null. docs/records.md describes every field for readers of the file.
 struct Record {
-  std::string job;  ///< hash of what was asked, hexadecimal: the same job has the same hash in every run
+  std::string job;  ///< hexadecimal hash of the job: the same one has the same hash in every run
   std::string suite;
   std::string scene;  ///< reference as written, "soup:ground=false"
   /// Name of the light, or of several lights together as written, "a+b", "all+"; their kinds, "point+rect".
@@ -45,11 +36,11 @@ struct Record {
   Json parameters = json_object();  ///< every parameter of the technique with its value, number or text
   int width = 0, height = 0;
   Truth truth = Truth::shape;  ///< the truth that headline metrics use
-  std::string path;            ///< camera or light path that the row follows; empty: it stands still
+  std::string path;            ///< camera or light path that the row follows; empty: nothing moves
   std::uint64_t place = 0;     ///< position in the expanded suite: the order of rows, also of merged shards
 
   Status status = Status::failed;
-  std::optional<Support::Kind> support;  ///< nothing when the technique could not be asked
+  std::optional<Support::Kind> support;  ///< nothing when the technique gave no answer
   std::string reason;                    ///< why approximate, unsupported or failed
 
   std::array<ProcessTimes, std::size(stage_names)> stages;  ///< by Stage; setup has one repetition per process
@@ -60,10 +51,10 @@ struct Record {
   std::map<std::string, std::uint64_t> iterations;  ///< by stage: calls whose mean is one repetition
   std::string stop;  ///< why there are no more processes: "fixed", "target" (interval narrow enough) or "budget"
   Counts counts;
-  std::optional<std::uint64_t> bytes;       ///< what the technique says it holds, and the scene's triangles in OpenGL
+  std::optional<std::uint64_t> bytes;       ///< the technique's own count, and the scene's triangles in OpenGL
   std::optional<std::uint64_t> peak_bytes;  ///< largest resident memory of a worker
-  /// The barest pass that the technique cannot do without, as its data sheet says, on the same scene and picture in the same
-  /// processes: times of one pass.
+  /// The barest pass that the technique needs, by its data sheet, on the same scene and picture in the same processes: times of
+  /// one pass.
   struct FloorTimes {
     std::string pass;  ///< "depth_draw", "fetch", "copy"
     ProcessTimes ms, device_ms;
@@ -75,11 +66,11 @@ struct Record {
   /// known.
   struct ReferenceFacts {
     LightShareKind estimates = LightShareKind::area;
-    double target = 0;      ///< standard error that was wanted
-    std::uint64_t cap = 0;  ///< places of the light that a point asked for at most
+    double target = 0;      ///< standard error
+    std::uint64_t cap = 0;  ///< most places of the light that one point samples
     std::uint64_t rays = 0;
     double error_mean = 0, error_max = 0;  ///< standard errors, over the pixels that face the light
-    /// Of the picture of all light that the technique's was compared with, where the run asked for that.
+    /// Of the picture of all light that the technique's was compared with, where the run has one.
     struct GlobalFacts {
       int samples = 0;  ///< light paths of a pixel
       std::uint64_t rays = 0;
@@ -95,7 +86,7 @@ struct Record {
     std::optional<Support::Kind> support;    ///< of several lights one that is unsupported casts no shadows
     std::string reason;
     std::optional<ReferenceFacts> reference;
-    // As in the record, of this light's mask. Of one light they are the record's, and stand in the file but once, there.
+    // As in the record, of this light's mask. Of one light they are the record's, and the file has them only there.
     std::map<std::string, std::uint64_t> classes;
     Metrics metrics;  ///< headline truth
     std::optional<std::map<std::string, std::uint64_t>> causes;
@@ -110,7 +101,7 @@ struct Record {
   /// Wrong pixels of T by cause (of a light with area, those that are off at all), headline truth, on a path summed over its
   /// frames; nothing when the run sought none.
   std::optional<std::map<std::string, std::uint64_t>> causes;
-  /// A cause that the technique alone has, as its data sheet says: enough to show it where the technique is not loaded.
+  /// A cause of this technique alone, from its data sheet: enough to show it where the technique is not loaded.
   struct OwnCauseFacts {
     std::string name, sentence;
     std::array<std::uint8_t, 3> color{};  ///< sRGB
@@ -136,7 +127,7 @@ struct Record {
   /// load_average, started, gl_renderer, gl_version, gl_subpixel_bits, libraries (object: name -> version).
   Json context = json_object();
   std::optional<double> seconds;  ///< wall time that the row took
-  Json unknown = json_object();   ///< fields that this program does not know, kept as read
+  Json unknown = json_object();   ///< fields that this program does not define, kept as read
 
   // Compiled once: Record is in most files, and has many members.
   Record();
@@ -166,10 +157,10 @@ std::optional<double> floor_share(const Record& record);
 /// device's, and of bare passes, in which the processor does nothing, no more than half is unexplained. Nothing without times
 /// by the device's clock.
 std::optional<bool> clocks_agree(const Record& record);
-/// What each cause holds of the wrong rate, under a light with area of the error. Nothing when
-/// the run sought none, or tested nothing.
+/// The share of each cause in the wrong rate, under a light with area in the error. Nothing when the run sought none, or tested
+/// nothing.
 std::optional<std::map<std::string, double>> cause_shares(const Record& record);
-/// What part of the pixels that face the light is of a class, "S"; nothing where none faces it.
+/// The share of a class, "S", among the pixels that face the light; nothing where none faces it.
 std::optional<double> class_share(const Record& record, std::string_view letter);
 std::vector<std::string> light_names(const Record& record);
 /// Name of the technique with its settings: the label that the suite gave, else "id:a=1,b=2".
@@ -180,13 +171,17 @@ std::string setting_key(const Record& record);
 std::string title(const Record& record);
 /// A text of the context, "" when it is not there; what is no text, as JSON.
 std::string context_text(const Record& record, std::string_view key);
+/// Hash of the plugin that the row's technique came from; "" for a row of no plugin.
+std::string plugin_hash(const Record& record);
+/// Whether the row is of a mask that another program made: `gnomon score --label`. No technique runs for it.
+bool is_foreign(const Record& record);
 
 /// `Json(record)` and `json.get<Record>()`. Reading throws Error with the field, its value and what is allowed; fields that
 /// are absent or null keep their defaults, except schema, scene, lights, answer, technique and status, which must be there.
 void to_json(Json& json, const Record& record);
 void from_json(const Json& json, Record& record);
 
-/// Removes all that was measured. The job, where it was to run, and what the technique said of its support stay.
+/// Removes all that was measured. The job, where it was to run, and the technique's support stay.
 void forget_results(Record& record);
 
 /// The pictures that it names, paths relative to the run's folder.
@@ -209,8 +204,8 @@ RecordFile read_record_file(const std::filesystem::path& file);
 /// The records of a run's folder one at a time, in the order of tables: those of a long run are larger than memory.
 class RecordLines {
  public:
-  /// Reads all once; `seen` is told each, in order of the file, from line 0. Throws as `read_records` does, whose notes it
-  /// gives.
+  /// Reads all once, and calls `seen` for each, in order of the file, from line 0. Throws and prints notes as `read_records`
+  /// does.
   explicit RecordLines(const std::filesystem::path& dir, const std::function<void(const Record&)>& seen = {});
   /// The lines that count, in the order of tables.
   const std::vector<std::size_t>& order() const { return order_; }
@@ -240,10 +235,10 @@ class RecordWriter {
   /// Throws Error when the disk is full or broken; the file then holds the earlier lines, whole. A failed `append` may be tried
   /// again.
   void append(const Record& record);
-  /// Puts these records in place of all that the file holds, at once, and goes on behind them. The folder stays this writer's
-  /// all the while. Throws Error when they cannot be written; the file is as it was then.
+  /// Replaces the content of the file by these records, at once; later records follow them. The folder stays this writer's all
+  /// the while. Throws Error when they cannot be written; the file is as it was then.
   void replace(std::span<const Record> records);
-  /// Says whether everything arrived; the destructor can only close.
+  /// Throws Error when not everything arrived; the destructor can only close.
   void close();
 
  private:

@@ -1,7 +1,7 @@
-// What a record says between its lines: how it is lit, what it is called, shares of its numbers.
-#include <algorithm>
+// Derived facts of a record: how it is lit, what it is called, shares of its numbers.
 
 #include "measure/record/record.h"
+#include "measure/record/title.h"
 
 namespace gnomon {
 
@@ -33,14 +33,10 @@ std::optional<std::map<std::string, double>> cause_shares(const Record& r) {
   return shares;
 }
 
-namespace {
-
-std::optional<double> sum_of_medians(const ProcessTimes& relight, const ProcessTimes& resolve) {
+static std::optional<double> sum_of_medians(const ProcessTimes& relight, const ProcessTimes& resolve) {
   const auto first = median_of_medians(relight), last = median_of_medians(resolve);
   return first && last ? std::optional(*first + *last) : std::nullopt;
 }
-
-}  // namespace
 
 std::optional<double> frame_ms(const Record& r) { return sum_of_medians(r.times(Stage::relight), r.times(Stage::resolve)); }
 
@@ -72,5 +68,21 @@ std::optional<bool> clocks_agree(const Record& r) {
 }
 
 std::string setting_name(const Record& r) { return r.label ? *r.label : setting_key(r); }
+
+std::string title_of_place(std::string_view scene, std::string_view light, std::string_view view, std::string_view path) {
+  std::string title = fmt::format("{} {} ", scene, light);
+  if (!view.empty() && view != "view" && view != "-") title += fmt::format("{} ", view);
+  if (!path.empty()) title += fmt::format("{} ", path);
+  return title;
+}
+
+std::string title(const Record& r) { return title_of_place(r.scene, r.light, r.view, r.path) + setting_key(r); }
+
+std::string plugin_hash(const Record& r) {
+  const auto found = r.context.find("plugin");
+  return found == r.context.end() || !found->is_object() ? "" : plain_text(found->value("hash", Json("")));
+}
+
+bool is_foreign(const Record& r) { return r.context.contains("foreign"); }
 
 }  // namespace gnomon

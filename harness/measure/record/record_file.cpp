@@ -4,12 +4,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <cerrno>
-#include <cstdlib>
 #include <cstring>
-#include <fstream>
-#include <map>
 #include <unordered_map>
 
 #include "measure/foreign_text.h"
@@ -27,8 +23,8 @@ namespace {
 /// A row of 1000 times in each of 1000 processes has a million numbers for each stage and clock.
 constexpr std::size_t most_line_bytes = std::size_t{512} << 20;
 
-/// The end of the file after its last newline. Empty for an empty file or one that is no regular file. What cannot be read is
-/// left to the write that follows, which says what is wrong with the disk. Throws Error where no line ends so late.
+/// The end of the file after its last newline. Empty for an empty file, one that is no regular file, and one that cannot be
+/// read: the write that follows reports what is wrong with the disk. Throws Error where the last line is too long.
 std::string unfinished_tail(int descriptor, off_t size) {
   std::vector<char> block(1 << 20);
   off_t begin = size;
@@ -50,12 +46,6 @@ off_t size_of(int descriptor) {
   return fstat(descriptor, &facts) == 0 && S_ISREG(facts.st_mode) ? facts.st_size : 0;
 }
 
-}  // namespace
-
-fs::path records_file(const fs::path& dir) { return dir / "records.jsonl"; }
-
-namespace {
-
 std::ifstream opened(const fs::path& file) {
   if (fs::exists(file) && !fs::is_regular_file(file)) throw Error("{} cannot be read: it is not a file", file.string());
   std::ifstream stream(file, std::ios::binary);
@@ -63,8 +53,8 @@ std::ifstream opened(const fs::path& file) {
   return stream;
 }
 
-/// Tells each record of the file with where its line starts, and answers what was left out.
-std::vector<std::string> for_each_record(const fs::path& file, const std::function<void(Record&&, std::streamoff)>& tell) {
+/// Calls use(record, start of its line) for each record of the file. Returns notes on what was left out.
+std::vector<std::string> for_each_record(const fs::path& file, const std::function<void(Record&&, std::streamoff)>& use) {
   std::ifstream stream = opened(file);
   std::vector<std::string> notes;
   std::string line;
@@ -72,13 +62,12 @@ std::vector<std::string> for_each_record(const fs::path& file, const std::functi
   for (int number = 1;; ++number) {
     try {
       if (!next_foreign_line(stream, line, most_line_bytes)) break;
-      const bool is_finished = !stream.eof();
-      if (!is_finished && parse_if_json(line).is_discarded()) {
+      if (stream.eof() && parse_if_json(line).is_discarded()) {
         notes.push_back(fmt::format("{}:{}: the last line is unfinished, the run was stopped while writing it; left out",
                                     file.string(), number));
         break;
       }
-      tell(parse_json(line).get<Record>(), start);
+      use(parse_json(line).get<Record>(), start);
     } catch (const Json::exception& problem) {
       throw Error("{}:{}: not a record: {}", file.string(), number, complaint(problem));
     } catch (const Error& problem) {
@@ -106,7 +95,7 @@ class LastOfJobs {
  public:
   std::vector<Item> items;
 
-  void add(const std::string& job, Item item) {
+  void add(const std::string& job, Item&& item) {
     const auto [place, is_new] = place_of_job_.try_emplace(job, items.size());
     if (is_new || job.empty())
       items.push_back(std::move(item));
@@ -118,7 +107,7 @@ class LastOfJobs {
   std::unordered_map<std::string, std::size_t> place_of_job_;
 };
 
-/// Where a record lies in a table: place_of answers its suite and its place there.
+/// Sorts by suites in order of first appearance, within one by place; place_of returns both.
 template <class Item, class PlaceOf>
 void sort_by_suite(std::vector<Item>& items, const PlaceOf& place_of) {
   std::map<std::string, std::size_t, std::less<>> suites;  // in order of first appearance
@@ -132,12 +121,12 @@ void sort_by_suite(std::vector<Item>& items, const PlaceOf& place_of) {
 
 }  // namespace
 
+fs::path records_file(const fs::path& dir) { return dir / "records.jsonl"; }
+
 RecordFile read_record_file(const fs::path& file) {
   LastOfJobs<Record> records;
-  std::vector<std::string> notes = for_each_record(file, [&](Record&& record, std::streamoff) {
-    const std::string job = record.job;
-    records.add(job, std::move(record));
-  });
+  std::vector<std::string> notes =
+      for_each_record(file, [&](Record&& record, std::streamoff) { records.add(record.job, std::move(record)); });
   return {std::move(records.items), std::move(notes)};
 }
 

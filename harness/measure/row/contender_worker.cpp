@@ -1,14 +1,33 @@
 #include "measure/row/contender_worker.h"
 
-#include <gnomon/error.h>
 #include <gnomon/kit/area/path_light.h>
-
-#include <algorithm>
-#include <cmath>
 
 #include "measure/scene/motion.h"
 
 namespace gnomon {
+
+namespace {
+
+/// Adds the picture under one light to what is there; variances add up.
+void add(GlobalAnswer& sum, std::span<const float> picture, const GlobalReference& reference) {
+  for (std::vector<float>* const values : {&sum.picture, &sum.reference, &sum.error}) values->resize(picture.size());
+  for (std::size_t k = 0; k < picture.size(); ++k) {
+    sum.picture[k] += picture[k];
+    sum.reference[k] += reference.radiance[k];
+    sum.error[k] = std::hypot(sum.error[k], reference.error[k]);
+  }
+}
+
+Record::ReferenceFacts::GlobalFacts facts_of(const GlobalReference& reference, int samples) {
+  double errors = 0, whole = 0;
+  for (std::size_t k = 0; k < reference.radiance.size(); ++k) {
+    errors += static_cast<double>(reference.error[k]) * reference.error[k];
+    whole += static_cast<double>(reference.radiance[k]) * reference.radiance[k];
+  }
+  return {.samples = samples, .rays = reference.rays, .error = whole > 0 ? std::sqrt(errors / whole) : 0};
+}
+
+}  // namespace
 
 std::vector<Light> SceneRun::lights(const RowFrame& frame) const {
   std::vector<Light> lights;
@@ -25,20 +44,16 @@ FrameKey SceneRun::key(const RowFrame& frame, Truth truth) const {
 
 FrameRequest SceneRun::request(const RowFrame& frame, Truth truth) {
   const FrameKey of = key(frame, truth);
-  return {
-      .gbuffer_file = frames.gbuffer_file(of),
-      .width = of.width,
-      .height = of.height,
-      .truth = of.truth,
-      .seen = SceneLightAndView{
-          .lights = frame.lights, .view = frame.view, .path = frame.path ? frame.path->name : "", .path_frame = frame.number}};
+  SceneLightAndView seen{.lights = frame.lights, .view = frame.view, .path_frame = frame.number};
+  if (frame.path) seen.path = frame.path->name;
+  return {frames.gbuffer_file(of), of.width, of.height, of.truth, std::move(seen)};
 }
 
 ContenderWorker::ContenderWorker(SceneRun& run, std::string technique, std::string settings, const WorkerOptions& options)
     : run_(run),
       technique_(std::move(technique)),
       settings_(std::move(settings)),
-      client_(options, run.scratch / "worker", run.timeout) {}
+      client_(options, run.options.scratch / "worker", run.options.timeout) {}
 
 void ContenderWorker::begin_load() {
   client_.begin_load({.scene_file = run_.frames.scene_file(), .technique = technique_, .settings = settings_});
@@ -62,10 +77,9 @@ std::size_t ContenderWorker::object_count() const {
 
 ContenderWorker::SetupTime ContenderWorker::setup_time() {
   const auto [found, is_new] = setup_times_.try_emplace(object_count());
-  if (is_new) {
-    found->second.ms = client_.time(Stage::setup);
-    found->second.other_clocks = client_.other_clocks();
-  }
+  auto& [ms, other_clocks] = found->second;
+  if (is_new) ms = client_.time(Stage::setup);
+  if (is_new) other_clocks = client_.other_clocks();
   return found->second;
 }
 
@@ -78,7 +92,7 @@ std::vector<Answer> ContenderWorker::answers(Record* record) {
   auto next = reply.mask.begin();
   for (const Light& light : run_.lights(frame_)) {
     const auto end = next + static_cast<std::ptrdiff_t>(gbuffer.size());
-    answers.push_back({gbuffer, run_.frames.reference(key, light, run_.target, bits), {next, end}, {}});
+    answers.push_back({gbuffer, run_.frames.reference(key, light, run_.options.target, bits), {next, end}, {}});
     next = end;
   }
   if (!record) return answers;
@@ -98,31 +112,6 @@ void ContenderWorker::count_times_again(Record& record) {
       if (before.name == now.name && now.unit == "ms") before = now;
 }
 
-namespace {
-
-/// Adds the picture under one light to what is there; variances add up.
-void add(GlobalAnswer& sum, std::span<const float> picture, const GlobalReference& reference) {
-  sum.picture.resize(picture.size());
-  sum.reference.resize(picture.size());
-  sum.error.resize(picture.size());
-  for (std::size_t k = 0; k < picture.size(); ++k) {
-    sum.picture[k] += picture[k];
-    sum.reference[k] += reference.radiance[k];
-    sum.error[k] = std::hypot(sum.error[k], reference.error[k]);
-  }
-}
-
-Record::ReferenceFacts::GlobalFacts facts_of(const GlobalReference& reference, int samples) {
-  double errors = 0, whole = 0;
-  for (std::size_t k = 0; k < reference.radiance.size(); ++k) {
-    errors += static_cast<double>(reference.error[k]) * reference.error[k];
-    whole += static_cast<double>(reference.radiance[k]) * reference.radiance[k];
-  }
-  return {.samples = samples, .rays = reference.rays, .error = whole > 0 ? std::sqrt(errors / whole) : 0};
-}
-
-}  // namespace
-
 std::optional<GlobalAnswer> ContenderWorker::global_answer() {
   if (frame_.global_samples == 0 || endless_bounces(run_.scene)) return std::nullopt;
   GlobalAnswer sum;
@@ -137,8 +126,7 @@ std::optional<GlobalAnswer> ContenderWorker::global_answer() {
     add(sum, *picture, reference);
     sum.facts.back() = facts_of(reference, frame_.global_samples);
   }
-  if (sum.picture.empty()) return std::nullopt;
-  return sum;
+  return sum.picture.empty() ? std::nullopt : std::optional(std::move(sum));
 }
 
 void ContenderWorker::note_lights(Record& record) const {

@@ -12,51 +12,46 @@ struct RowFrame {
   int width = 0, height = 0;
   std::optional<Path> path;
   int number = 0;          ///< on the path
-  int global_samples = 0;  ///< light paths of a pixel of the reference of pictures of all light; 0: none are asked for
+  int global_samples = 0;  ///< light paths of a pixel of the reference of pictures of all light; 0: no such pictures
 
   int count() const { return path ? path->frame_count : 1; }  ///< frames of the row
 };
 
 /// Everything about one scene that its rows share.
 struct SceneRun {
-  Scene scene;
-  FrameStore frames;
-  std::filesystem::path scratch;  ///< folder for files between this process and its workers
-  AreaTarget target;              ///< of the reference under lights with area
-  double timeout;                 ///< seconds that one step of a worker may take
-
   struct Options {
-    std::filesystem::path cache, scratch;
-    AreaTarget target = {};
-    double timeout = 60;
+    std::filesystem::path cache, scratch;  ///< folders of kept frames, and for files between this process and its workers
+    AreaTarget target = {};                ///< of the reference under lights with area
+    double timeout = 60;                   ///< seconds that one step of a worker may take
     TraceWatch watch = {};
     std::string program_that_traces = {};  ///< empty: this one
   };
-  SceneRun(Scene the_scene, Options options)
+  Scene scene;
+  Options options;
+  FrameStore frames;
+
+  SceneRun(Scene the_scene, Options the_options)
       : scene(std::move(the_scene)),
+        options(std::move(the_options)),
         frames(scene, options.cache,
-               std::make_unique<WorkerFrameMaker>(options.scratch / "frames", std::move(options.program_that_traces),
-                                                  std::move(options.watch))),
-        scratch(std::move(options.scratch)),
-        target(options.target),
-        timeout(options.timeout) {}
+               std::make_unique<WorkerFrameMaker>(options.scratch / "frames", options.program_that_traces, options.watch)) {}
 
   std::vector<Light> lights(const RowFrame& frame) const;
   FrameKey key(const RowFrame& frame, Truth truth) const;
   FrameRequest request(const RowFrame& frame, Truth truth);
 };
 
-/// A worker that holds one technique with its settings on a scene, and the frame of a row that it was asked about last.
+/// A worker that serves one technique with its settings on a scene, and its present frame of a row.
 class ContenderWorker {
  public:
   ContenderWorker(SceneRun& run, std::string technique, std::string settings, const WorkerOptions& options);
 
-  /// The worker loads scene and technique; in two parts, so that all workers of a batch can be at it at once.
+  /// The worker loads scene and technique; in two parts, so that all workers of a batch can load at the same time.
   void begin_load();
   void end_load() { client_.end_load(); }
-  /// Goes to a frame under a truth. What the technique says of it, or the reference where that cannot answer it.
+  /// Goes to a frame under a truth. Returns the technique's support, or the reference's where that has no answer.
   Support go(const RowFrame& frame, Truth truth);
-  /// Objects that setup and build are done by for the frame: one for each of several lights where these share nothing.
+  /// Objects that do setup and build for the frame: one for each of several lights where these share nothing.
   std::size_t object_count() const;
   struct SetupTime {
     double ms = 0;
@@ -70,15 +65,15 @@ class ContenderWorker {
   /// Of a technique that runs in a program of its own: what it counted of time, after more frames.
   void count_times_again(Record& record);
   /// The technique's picture of all light beside the reference's, both sums over the lights with area; nothing where the frame
-  /// does not ask for it, the technique has none or refuses one of these lights, or the scene is endless.
+  /// has no `global_samples`, the technique has no picture or refuses one of these lights, or the scene is endless.
   std::optional<GlobalAnswer> global_answer();
   /// Whether a light of the frame casts shadows.
   bool supports_light(std::size_t k) const { return static_cast<bool>(reply_.lights[k]); }
-  /// What the technique said of each light of the frame.
+  /// Records the technique's support of each light of the frame.
   void note_lights(Record& record) const;
-  /// What GL it has.
+  /// Records the OpenGL of the worker.
   void note_gl(Record& record) const;
-  /// How the card does now, beside how it did when the worker was loaded; nothing where nobody knows.
+  /// Records the state of the card now, and at the load; nothing where it is unknown.
   void note_card(Record& record);
   /// Name of the frame's bare pass; empty: none.
   const std::string& floor() const { return reply_.floor; }

@@ -1,25 +1,18 @@
 #include "measure/row/foreign_row.h"
 
-#include <gnomon/error.h>
 #include <gnomon/registry.h>
 
-#include <algorithm>
 #include <cctype>
 
-#include "measure/cause/causes.h"
 #include "measure/paths.h"
 #include "measure/record/scene_place.h"
-#include "measure/record/title.h"
-#include "measure/scene/blob.h"
 #include "measure/worker/machine_context.h"
 
 namespace gnomon {
 
-namespace fs = std::filesystem;
-
 namespace {
 
-/// The same question about the same mask's name has the same hash in every folder.
+/// The same frame with a mask of the same name has the same hash in every folder.
 std::string hash_of(const Record& r) {
   const std::string asked = fmt::format("foreign|{}|{}|{}|{}|{}|{}x{}|{}", r.scene, r.light, r.view, r.technique, *r.label,
                                         r.width, r.height, name(r.truth));
@@ -28,7 +21,7 @@ std::string hash_of(const Record& r) {
 
 std::string called(const Record& record) { return record.label.value_or(record.technique); }
 
-/// The times that were told, and a note that says so.
+/// The told times, and a note that they were not measured.
 void tell_times(Record& record, const std::map<Stage, double>& told_ms) {
   std::vector<std::string> stages;
   for (const auto& [stage, ms] : told_ms) {
@@ -39,16 +32,13 @@ void tell_times(Record& record, const std::map<Stage, double>& told_ms) {
     record.notes.push_back(fmt::format("{}: times told, not measured: {}", called(record), joined(stages, ", ")));
 }
 
-/// Why rows of the folder cannot stand beside this one; empty where they can.
+/// Why one table cannot have a row of the folder and this one; empty where it can.
 std::string objection(const Record& kept, const Record& fresh) {
-  for (const auto& [key, what] : {std::pair("commit", "commit"), std::pair("scene_hash", "content")}) {
-    const bool is_of_scene = std::string_view(key) == "scene_hash";
-    if (is_of_scene && (kept.scene != fresh.scene || kept.light != fresh.light)) continue;
-    const std::string then = context_text(kept, key), now = context_text(fresh, key);
-    if (!then.empty() && then != now)
-      return is_of_scene ? fmt::format("scene {} has changed since {} was run", fresh.scene, title(kept))
-                         : fmt::format("it holds rows of {} {}, and this program is {}", what, then, now);
-  }
+  const std::string then = context_text(kept, "commit"), now = context_text(fresh, "commit");
+  if (!then.empty() && then != now) return fmt::format("it holds rows of commit {}, and this program is {}", then, now);
+  const std::string scene = context_text(kept, "scene_hash");
+  if (kept.scene == fresh.scene && kept.light == fresh.light && !scene.empty() && scene != context_text(fresh, "scene_hash"))
+    return fmt::format("scene {} has changed since {} was run", fresh.scene, title(kept));
   if (kept.truth != fresh.truth) return fmt::format("its rows have the truth {}, not {}", name(kept.truth), name(fresh.truth));
   return {};
 }
@@ -101,8 +91,7 @@ ForeignRow foreign_row(const Scene& scene, const std::string& reference, FrameSt
   if (!scene.has_curved_shapes()) seen.truth = Truth::shape;
   const Json facts = json_object(
       {{"file", mask.file.string()}, {"channel", mask.channel}, {"hash", content_hash(std::as_bytes(std::span(mask.values)))}});
-  std::optional<std::vector<float>> other_mask;
-  if (scene.has_curved_shapes()) other_mask = mask.values;
+  auto other_mask = scene.has_curved_shapes() ? std::optional(mask.values) : std::nullopt;
   ForeignRow row{.record = {}, .scored = scored_mask(scene, frames, seen, light, std::move(mask.values))};
   Record& record = row.record;
   record.scene = reference;
@@ -122,8 +111,7 @@ ForeignRow foreign_row(const Scene& scene, const std::string& reference, FrameSt
   const Light* const lights[] = {&light};
   describe_lights(record, lights);
   tell_times(record, mask.told_ms);
-  if (const std::string words = row.scored.words(); !words.empty())
-    record.notes.push_back(fmt::format("{}: {}", called(record), words));
+  if (row.scored.whole) record.notes.push_back(fmt::format("{}: {}", called(record), row.scored.words()));
 
   MeasuredLight& measured = row.scored.measured.lights.front();
   record.lights.front().reference = reference_facts(measured.answer, {});
@@ -141,11 +129,11 @@ ForeignRow foreign_row(const Scene& scene, const std::string& reference, FrameSt
   return row;
 }
 
-void add_foreign_rows(const fs::path& out, const Scene& scene, std::vector<ForeignRow>& rows) {
+void add_foreign_rows(const std::filesystem::path& out, const Scene& scene, std::vector<ForeignRow>& rows) {
   make_folder(out, "output folder");
   RecordWriter writer(out);  // from here on the folder is ours
   std::vector<Record> records;
-  if (fs::exists(records_file(out))) records = read_records(out);
+  if (std::filesystem::exists(records_file(out))) records = read_records(out);
   for (const ForeignRow& row : rows)
     for (const Record& kept : records)
       if (const std::string why = objection(kept, row.record); !why.empty())

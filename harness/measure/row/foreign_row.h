@@ -1,22 +1,21 @@
 #pragma once
 #include "measure/cause/whole_mask.h"
-#include "measure/frame/frame.h"
 #include "measure/row/score_row.h"
 
 namespace gnomon {
 
-/// A mask that another program made of a view of a scene under one light, and how its row is to be called.
+/// A mask that another program made of a view of a scene under one light, and the names of its row.
 struct ForeignMask {
   std::string technique, label;  ///< id, see check_foreign_id; what tables write
   std::filesystem::path file;
   std::string channel;
   std::vector<float> values;
-  std::map<Stage, double> told_ms;  ///< times that somebody told; nobody here measured them
+  std::map<Stage, double> told_ms;  ///< times from outside, not measured here
 };
 
 /// A label as an id: "POV-Ray 3.7" is pov_ray_3_7. Empty where it has neither letters nor digits.
 std::string id_of_label(const std::string& label);
-/// Throws Error where it is no id, or that of a technique which runs here: its rows would be taken for that one's.
+/// Throws Error where it is no id, or that of a technique which runs here: their rows would look alike.
 void check_foreign_id(const std::string& id);
 
 struct ScoredMask {
@@ -28,8 +27,8 @@ struct ScoredMask {
   /// whole.
   std::string words() const;
 };
-/// The mask under the light. Its causes are what became of it as a whole, and else what wrong pixels look like and where they
-/// lie, for a file explains none.
+/// The mask under the light. Its causes are a change of the mask as a whole, and else the look and place of wrong pixels,
+/// because a file explains none.
 ScoredMask scored_mask(const Scene& scene, FrameStore& frames, const FrameKey& key, const Light& light,
                        std::vector<float> values);
 
@@ -37,13 +36,13 @@ struct ForeignRow {
   Record record;
   ScoredMask scored;
 };
-/// A row as a run would give it, but for what only a run can measure: times (unless told), counts and memory. Under the other
-/// truth the same mask is compared with that truth.
+/// A row as of a run, without what only a run can measure: times (unless told), counts and memory. Under the other truth the
+/// same mask is compared with that truth.
 ForeignRow foreign_row(const Scene& scene, const std::string& reference, FrameStore& frames, const FrameKey& key,
                        const Light& light, ForeignMask mask);
 
 /// Adds rows with their pictures to the folder of a run, or makes one. A row of the same job takes its predecessor's place.
-/// Throws Error, and changes nothing, where the folder's rows cannot stand in a table with these: they are of another commit or
+/// Throws Error, and changes nothing, where one table cannot have the folder's rows and these: they are of another commit or
 /// truth, or of the scene as it was.
 void add_foreign_rows(const std::filesystem::path& out, const Scene& scene, std::vector<ForeignRow>& rows);
 

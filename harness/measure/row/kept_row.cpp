@@ -1,9 +1,5 @@
 #include "measure/row/kept_row.h"
 
-#include <gnomon/error.h>
-
-#include <algorithm>
-
 #include "measure/scene/motion.h"
 #include "measure/scene/names.h"
 #include "measure/score/record_causes.h"
@@ -18,13 +14,13 @@ const Item& named(const std::vector<Item>& items, const std::string& name, const
   throw Error("the scene has no {} {} any more", what, name);
 }
 
-/// What was wanted of the light's reference.
+/// The target of the light's reference.
 AreaTarget target_of(const Record::LightFacts& light) {
   if (!light.reference) return {};
   return {.error = light.reference->target, .cap = static_cast<std::uint32_t>(light.reference->cap)};
 }
 
-/// Of what drew the row; of other techniques the usual ones.
+/// Of the OpenGL that drew the row; of other techniques the usual ones.
 int subpixel_bits_of(const Record& record) {
   const auto bits = record.context.find("gl_subpixel_bits");
   return bits != record.context.end() && bits->is_number_integer() ? bits->get<int>() : usual_subpixel_bits;

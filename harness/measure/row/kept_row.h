@@ -1,10 +1,9 @@
 #pragma once
-#include "measure/frame/frame.h"
 #include "measure/row/row.h"
 
 namespace gnomon {
 
-/// Where a kept row's masks were made, of today's scene: on a path at its last frame.
+/// The frame of a kept row's masks in today's scene: on a path the last one.
 struct KeptPlace {
   FrameKey key;
   std::vector<Light> lights;

@@ -11,7 +11,7 @@ namespace gnomon {
 
 namespace {
 
-/// Adds what is said of the support of a frame to the record; answers whether the frame can be measured.
+/// Adds the support of a frame to the record. Returns whether the frame can be measured.
 bool take_support(Record& record, const Support& support, const RowFrame& frame) {
   if (support.kind() == Support::Kind::full) return true;
   if (support && record.support == Support::Kind::approximate) return true;  // by an earlier frame, which said why
@@ -42,7 +42,7 @@ class RowMeasurement {
     record.frames.clear();
   }
 
-  /// Answers false, with the reason in the record, when the frame is unsupported.
+  /// Returns false, with the reason in the record, when the frame is unsupported.
   bool add(const RowFrame& frame) {
     before_ = std::move(now_);
     now_ = MeasuredRow();
@@ -119,7 +119,7 @@ class RowMeasurement {
         find_causes({run_.scene, run_.frames.casters(truth_), answer.gbuffer, measured.light, answer.reference, answer.mask,
                      measured.right_on_mesh, explain, answer.estimates, answer.own_causes, about_.rasterizes});
     std::optional<Record::ReferenceFacts>& facts = record_.lights[number].reference;
-    facts = reference_facts(answer, run_.target);
+    facts = reference_facts(answer, run_.options.target);
     if (facts && now_.global) facts->global = now_.global->facts[number];
   }
 

@@ -3,10 +3,9 @@
 
 namespace gnomon {
 
-/// All of a row but its times: counts, memory, classes, causes, metrics against both truths, what GL it ran on. The worker has
-/// gone to `first` and ends there, under the headline truth. A row on a path is measured at every frame (see PathScore), and
-/// the answer is that of the last one. The record gets the worst support of all frames, and there is no answer when one is
-/// unsupported.
+/// All of a row but its times: counts, memory, classes, causes, metrics against both truths, its OpenGL. The worker has gone to
+/// `first` and ends there, under the headline truth. A row on a path is measured at every frame (see PathScore), and the answer
+/// is that of the last one. The record gets the worst support of all frames, and there is no answer when one is unsupported.
 std::optional<MeasuredRow> measure(Record& record, SceneRun& run, ContenderWorker& worker, const RowFrame& first);
 
 }  // namespace gnomon

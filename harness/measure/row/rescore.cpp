@@ -1,13 +1,6 @@
 #include "measure/row/rescore.h"
 
-#include <gnomon/error.h>
-
-#include <algorithm>
-#include <map>
-#include <memory>
-
 #include "measure/paths.h"
-#include "measure/picture/picture.h"
 #include "measure/record/scene_place.h"
 #include "measure/row/kept_row.h"
 #include "measure/row/score_row.h"
@@ -41,7 +34,7 @@ struct CurrentScene {
 
 std::string full_title(const Record& record) { return fmt::format("{} ({})", title(record), record.job); }
 
-/// Rewrites what one record says of its mask.
+/// Rewrites what one record has of its mask.
 class Row {
  public:
   Row(Record& record, const fs::path& dir, CurrentScene& today) : record_(record), current_(today) {
@@ -69,7 +62,7 @@ class Row {
     return {};
   }
 
-  /// Answers why the row lost its causes; empty when it did not.
+  /// Returns why the row lost its causes; empty when it did not.
   std::string measure() {
     const Truth truth = record_.truth, other = truth == Truth::shape ? Truth::mesh : Truth::shape;
     MeasuredRow row = read_row(truth, "V");
@@ -103,13 +96,13 @@ class Row {
     return kept_row(record_, file_, what, kept_place(record_, *current_.scene, truth), *current_.frames);
   }
 
-  /// Masks alone are kept: what was found of the picture of all light stays.
+  /// Masks alone are kept: the metric of the picture of all light stays.
   void keep_global(Metrics& metrics, Truth truth) const {
     metrics["radiosity_error"] = record_.metric(truth, "radiosity_error");
   }
 
-  /// The causes of the file go to the row's lights, unless they belong to other frames: then none has any. Answers why the row
-  /// lost its causes.
+  /// Puts the causes of the file into the row's lights, unless they belong to other frames: then none has any. Returns why the
+  /// row lost its causes.
   std::string take_causes(MeasuredRow& row) const {
     std::string obstacle = causes_obstacle(record_);
     for (const Record::LightFacts& light : record_.lights)
@@ -137,16 +130,9 @@ RescoreSummary rescore(std::vector<Record>& records, const fs::path& dir, Progre
   std::size_t count = 0, on_path = 0, without_mask = 0;
   for (Record& record : records) {
     if (record.status != Status::ok) continue;
-    if (!record.path.empty()) {
-      ++on_path;
-      continue;
-    }
-    if (pictures(record).empty()) {
-      ++without_mask;
-      continue;
-    }
-    scenes[record.scene].push_back(&record);
-    ++count;
+    const bool is_on_path = !record.path.empty(), has_mask = !pictures(record).empty();
+    ++(is_on_path ? on_path : has_mask ? count : without_mask);
+    if (!is_on_path && has_mask) scenes[record.scene].push_back(&record);
   }
   const auto rows = [](std::size_t n) { return fmt::format("{} row{}", n, n == 1 ? " keeps its" : "s keep their"); };
   if (on_path) result.notes.push_back(rows(on_path) + " metrics: on a path, only the mask of the last frame is kept");

@@ -1,11 +1,7 @@
 #include "measure/row/row.h"
 
-#include <gnomon/error.h>
-
-#include <algorithm>
 #include <deque>
 
-#include "measure/frame/frame.h"
 #include "measure/score/error_picture.h"
 
 namespace gnomon {
@@ -25,10 +21,7 @@ std::string file_stem(const Record& record) {
 }
 
 Record::SceneFacts facts_of(const Scene& scene) {
-  Record::SceneFacts facts;
-  facts.meshes = scene.meshes.size();
-  facts.triangles = scene.triangle_count();
-  facts.closed = true;
+  Record::SceneFacts facts{.meshes = scene.meshes.size(), .triangles = scene.triangle_count(), .closed = true};
   for (const Mesh& mesh : scene.meshes) {
     facts.closed = facts.closed && mesh.facts.closed();
     facts.boundary_edges += mesh.facts.boundary_edge_count;
@@ -37,6 +30,44 @@ Record::SceneFacts facts_of(const Scene& scene) {
     facts.degenerate += mesh.facts.degenerate_count;
   }
   return facts;
+}
+
+/// The channels of a row's mask file.
+struct MaskChannels {
+  std::vector<std::string> names;
+  std::vector<std::span<const float>> values;
+  std::deque<std::vector<float>> made;  ///< that `values` look at
+
+  void add(std::string_view of, std::string_view what, std::span<const float> channel) {
+    names.push_back(fmt::format("{}.{}", of, what));
+    values.push_back(channel);
+  }
+  /// Three values a pixel as channels "OF.R", "OF.G", "OF.B".
+  void add_colors(std::string_view of, std::span<const float> rgb) {
+    for (std::size_t channel = 0; channel < 3; ++channel) {
+      std::vector<float>& one = made.emplace_back();
+      for (std::size_t i = channel; i < rgb.size(); i += 3) one.push_back(rgb[i]);
+      add(of, std::string_view("RGB").substr(channel, 1), one);
+    }
+  }
+};
+
+MaskChannels mask_channels(const Record& record, const MeasuredRow& measured) {
+  MaskChannels file;
+  for (const auto& [light, answer, other_mask, right_on_mesh] : measured.lights) {
+    file.add(light.name, "V", answer.mask);
+    if (!answer.causes.empty()) {
+      std::vector<float>& causes = file.made.emplace_back();
+      for (const Cause cause : answer.causes) causes.push_back(static_cast<float>(cause));
+      file.add(light.name, "cause", causes);
+    }
+    if (other_mask) file.add(light.name, name(record.truth == Truth::shape ? Truth::mesh : Truth::shape), *other_mask);
+  }
+  if (measured.global) {
+    file.add_colors(global_channel, measured.global->picture);
+    file.add_colors(global_reference_channel, measured.global->reference);
+  }
+  return file;
 }
 
 }  // namespace
@@ -87,53 +118,10 @@ Picture shade(const Scene& scene, const MeasuredRow& row) {
   return shade(scene, row.gbuffer(), row.lights.front().light, row.mask());
 }
 
-namespace {
-
-/// What a row's mask file holds.
-struct MaskChannels {
-  std::vector<std::string> names;
-  std::vector<std::span<const float>> values;
-  std::deque<std::vector<float>> made;  ///< that `values` look at
-};
-
-/// Three values a pixel as channels "WHAT.R", "WHAT.G", "WHAT.B".
-void add_colors(MaskChannels& file, std::string_view what, std::span<const float> rgb) {
-  for (std::size_t channel = 0; channel < 3; ++channel) {
-    std::vector<float>& values = file.made.emplace_back();
-    for (std::size_t i = channel; i < rgb.size(); i += 3) values.push_back(rgb[i]);
-    file.names.push_back(fmt::format("{}.{}", what, "RGB"[channel]));
-    file.values.push_back(values);
-  }
-}
-
-MaskChannels mask_channels(const Record& record, const MeasuredRow& measured) {
-  MaskChannels file;
-  for (const MeasuredLight& light : measured.lights) {
-    const auto add = [&](std::string_view what, std::span<const float> values) {
-      file.names.push_back(fmt::format("{}.{}", light.light.name, what));
-      file.values.push_back(values);
-    };
-    add("V", light.answer.mask);
-    if (!light.answer.causes.empty()) {
-      std::vector<float>& causes = file.made.emplace_back();
-      for (const Cause cause : light.answer.causes) causes.push_back(static_cast<float>(cause));
-      add("cause", causes);
-    }
-    if (light.other_mask) add(name(record.truth == Truth::shape ? Truth::mesh : Truth::shape), *light.other_mask);
-  }
-  if (measured.global) {
-    add_colors(file, global_channel, measured.global->picture);
-    add_colors(file, global_reference_channel, measured.global->reference);
-  }
-  return file;
-}
-
-}  // namespace
-
 void write_mask(Record& record, const MeasuredRow& measured, const fs::path& out) {
   record.mask = "masks/" + file_stem(record) + ".exr";
-  // What `--rescore` and the report need: the mask, the cause of each pixel, the mask under the other truth, and
-  // pictures of all light.
+  // For `--rescore` and the report: the mask, the cause of each pixel, the mask under the other truth, and pictures of all
+  // light.
   const MaskChannels file = mask_channels(record, measured);
   write_exr(out / *record.mask, record.width, record.height, file.names, file.values);
 }
@@ -142,9 +130,7 @@ void write_pictures(Record& record, const Scene& scene, const MeasuredRow& measu
   const std::string stem = file_stem(record);
   record.error_picture = "errors/" + stem + ".png";
   record.shaded_picture = "shaded/" + stem + ".png";
-  const std::string title =
-      record.label.value_or(record.settings.empty() ? record.technique : record.technique + ":" + record.settings);
-  write_png(out / *record.error_picture, draw_errors(measured.evidence(scene), title));
+  write_png(out / *record.error_picture, draw_errors(measured.evidence(scene), setting_name(record)));
   write_png(out / *record.shaded_picture, shade(scene, measured));
 }
 

@@ -1,12 +1,11 @@
 #pragma once
 #include "measure/picture/picture.h"
-#include "measure/record/record.h"
 #include "measure/score/score.h"
 #include "measure/score/together.h"
 
 namespace gnomon {
 
-/// One light of a row, and what answers it: a mask beside the reference.
+/// One light of a row, and its answer: a mask beside the reference.
 struct MeasuredLight {
   Light light;  ///< that counts, which on a path is not the scene's
   Answer answer;
@@ -21,7 +20,7 @@ struct GlobalAnswer {
   /// By light of the row; nothing of those without area, which have no radiance.
   std::vector<std::optional<Record::ReferenceFacts::GlobalFacts>> facts;
 };
-/// What a row's mask file calls them, where pictures of all light were asked for: "global.R" and so on, linear radiance.
+/// Their channels in a row's mask file, where the run has pictures of all light: "global.R" and so on, linear radiance.
 inline constexpr std::string_view global_channel = "global", global_reference_channel = "global_reference";
 
 /// A row's lights with their masks, wherever these come from: a worker, or a file.
@@ -41,9 +40,9 @@ void put_together(MeasuredRow& row, const Scene& scene);
 /// The scene in the light that the row's masks let through.
 Picture shade(const Scene& scene, const MeasuredRow& row);
 
-/// What a record knows of the scene itself.
+/// Sets the record's facts of the scene itself.
 void describe_scene(Record& record, const Scene& scene);
-/// Of the lights that a row has, nothing but what they are, and so what kind of answer the row wants. `light` stays.
+/// Sets the names and kinds of a row's lights, and with them the kind of the row's answer. `light` stays.
 void describe_lights(Record& record, std::span<const Light* const> lights);
 
 /// Writes the mask below `out` and names it in the record.

@@ -1,7 +1,5 @@
-// What a row's masks are worth: metrics, classes and causes, of each light and of all together.
+// The score of a row's masks: metrics, classes and causes, of each light and of all together.
 #include "measure/row/score_row.h"
-
-#include <algorithm>
 
 #include "measure/picture/shading.h"
 

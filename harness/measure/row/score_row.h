@@ -3,17 +3,17 @@
 
 namespace gnomon {
 
-/// What a mask is worth: that of one light, or those of a row's lights together.
+/// The score of a mask: that of one light, or those of a row's lights together.
 struct Score {
   AnswerKind kind = AnswerKind::binary;  ///< of the reference
   Metrics metrics;
   std::map<std::string, std::uint64_t> classes;
   /// Nothing where causes were not looked for.
   std::optional<std::map<std::string, std::uint64_t>> causes;
-  /// What each holds of the mean error, where the answer is no binary one.
+  /// The part of each in the mean error, where the answer is not binary.
   std::optional<std::map<std::string, double>> cause_errors;
 };
-/// Of a row: each light's, and what the row is judged by. Of one light both are the same.
+/// Of a row: each light's, and the row's own. Of one light both are the same.
 struct RowScore {
   std::vector<Score> lights;
   Score whole;
@@ -24,8 +24,7 @@ struct RowScore {
 /// Scores a row that is put together; `before` is the same row at the frame before, on a path.
 RowScore score(const MeasuredRow& row, const Scene& scene, const MeasuredRow* before = nullptr);
 
-/// How well the reference of an answer that is a fraction is known, over all pixels that it was asked for; nothing of a binary
-/// one.
+/// The precision of the reference of an answer that is a fraction, over all pixels that it has; nothing of a binary one.
 std::optional<Record::ReferenceFacts> reference_facts(const Answer& answer, const AreaTarget& target);
 
 /// Puts scores into a record whose lights are described: metrics against its headline truth. There is one for each light.

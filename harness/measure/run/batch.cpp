@@ -1,21 +1,14 @@
 #include "measure/run/batch.h"
 
-#include <algorithm>
-#include <chrono>
 #include <deque>
-#include <map>
-#include <set>
 
 #include "measure/notice.h"
 #include "measure/row/measure_row.h"
 #include "measure/run/timing.h"
-#include "measure/run/warm_up.h"
 
 namespace gnomon {
 
 namespace {
-
-using Clock = std::chrono::steady_clock;
 
 /// Rows of one scene. Every process of every contender serves all its lights and views, so that setup and build are paid
 /// once per process; a contender that fails gets a new worker for its next row.
@@ -40,9 +33,9 @@ class Batch {
   }
 
   /// More processes for rows whose intervals are too wide, until none is or the budget is spent. Rows of one job on both sides
-  /// get the same number, interleaved as before. Answers the seconds that they took.
+  /// get the same number, interleaved as before. Returns the seconds that they took.
   double refine(double budget) {
-    const auto start = Clock::now();
+    const auto start = std::chrono::steady_clock::now();
     const auto spent = [&] { return seconds_since(start); };
     double last = 0;  // what the last process took: the next one must fit, too
     for (; process_ < most_processes(suite_) && spent() + last < budget && want_more(); ++process_) {
@@ -74,7 +67,7 @@ class Batch {
     workers_.clear();
   }
 
-  /// Marks the rows that need another process; whether there are any.
+  /// Marks the rows that need another process. Returns whether there are any.
   bool want_more() {
     std::set<std::string> jobs;
     for (const PendingRow& row : rows_)
@@ -91,7 +84,7 @@ class Batch {
     return fmt::format("{} {} {}x{} {}", row.job.light, row.job.view, row.job.width, row.job.height, row.job.path);
   }
 
-  /// Numbers of a row that is not ok would be taken for results: they go, and so do its pictures.
+  /// Removes the numbers of a row that is not ok, which would be taken for results, and its pictures.
   void give_up(PendingRow& row, Status status) {
     row.over = true;
     progress_.advance(std::max(0, suite_.processes - process_));
@@ -106,6 +99,21 @@ class Batch {
     workers_[row.contender].reset();
   }
 
+  /// Does some work of a row, whose seconds are the row's; an exception costs this row alone. Returns whether it was done.
+  template <class Work>
+  bool attempt(PendingRow& row, const Work& work) {
+    const auto start = std::chrono::steady_clock::now();
+    bool is_done = false;
+    try {
+      work();
+      is_done = true;
+    } catch (const std::exception& failure) {
+      fail(row, message_of(failure));
+    }
+    row.record.seconds = row.record.seconds.value_or(0) + seconds_since(start);
+    return is_done;
+  }
+
   /// Starts a worker for every contender, all at once: loading is untimed and may share the cores.
   void start_workers() {
     workers_.resize(contenders_.size());
@@ -113,7 +121,8 @@ class Batch {
       for (std::size_t c = 0; c < contenders_.size(); ++c) try {
           does(c);
         } catch (const std::exception& failure) {
-          fail_all(c, message_of(failure));
+          for (PendingRow& row : rows_)
+            if (row.contender == c && is_due(row)) fail(row, message_of(failure));
         }
     };
     each([&](std::size_t c) {
@@ -133,32 +142,11 @@ class Batch {
     return worker;
   }
 
-  void fail_all(std::size_t contender, const std::string& reason) {
-    for (PendingRow& row : rows_)
-      if (row.contender == contender && is_due(row)) fail(row, reason);
-  }
-
-  /// The worker of a row; a new one when the last one failed in an earlier row.
-  ContenderWorker& worker_of(const PendingRow& row) {
-    std::unique_ptr<ContenderWorker>& worker = workers_[row.contender];
-    if (!worker) {
-      worker = loading_worker(row.contender);
-      worker->end_load();
-    }
-    return *worker;
-  }
-
   void time_group(const std::vector<PendingRow*>& group) {
     for (PendingRow* row : group) {
       progress_.step(fmt::format("{} (process {}{})", row->job.title(), process_ + 1,
                                  process_ < suite_.processes ? fmt::format("/{}", suite_.processes) : ""));
-      const auto start = Clock::now();
-      try {
-        prepare(*row);
-      } catch (const std::exception& failure) {
-        fail(*row, message_of(failure));
-      }
-      row->record.seconds = row->record.seconds.value_or(0) + seconds_since(start);
+      attempt(*row, [&] { prepare(*row); });
     }
     for (const Stage stage : timed_stages) time_stage(group, stage);
     if (process_ == 0) count_times(group);
@@ -167,7 +155,7 @@ class Batch {
       if (!row->over && process_ < suite_.processes) progress_.advance(1);
   }
 
-  /// What programs count of time is of all frames that they drew in the first process.
+  /// The times that programs count are of all frames that they drew in the first process.
   void count_times(const std::vector<PendingRow*>& group) {
     for (PendingRow* row : group) try {
         if (!row->over) workers_[row->contender]->count_times_again(row->record);
@@ -176,14 +164,13 @@ class Batch {
       }
   }
 
-  /// The bare passes of the frame, each once for all rows of a side that name it, and how the card does after all that.
+  /// The bare passes of the frame, each once for all rows of a side that name it, and the state of the card after them.
   void time_floors(const std::vector<PendingRow*>& group) {
     std::map<std::pair<std::size_t, std::string>, Record::FloorTimes> known;
     for (PendingRow* row : group) {
       if (row->over) continue;
-      ContenderWorker& worker = *workers_[row->contender];
-      const auto start = Clock::now();
-      try {
+      const bool is_done = attempt(*row, [&] {
+        ContenderWorker& worker = *workers_[row->contender];
         if (const std::string& pass = worker.floor(); !pass.empty()) {
           const auto [times, is_new] = known.try_emplace({row->side, pass});
           if (is_new) times->second = floor_times(worker.client(), suite_.repetitions);
@@ -193,17 +180,18 @@ class Batch {
           all.device_ms.insert(all.device_ms.end(), times->second.device_ms.begin(), times->second.device_ms.end());
         }
         worker.note_card(row->record);
-      } catch (const std::exception& failure) {
-        known.clear();
-        fail(*row, message_of(failure));
-      }
-      *row->record.seconds += seconds_since(start);
+      });
+      if (!is_done) known.clear();
     }
   }
 
-  /// Goes to the row's frame; in the first process also asks for support, takes the answer and scores it.
+  /// Goes to the row's frame; in the first process also checks support, takes the answer and scores it.
   void prepare(PendingRow& row) {
-    ContenderWorker& worker = worker_of(row);
+    if (std::unique_ptr<ContenderWorker>& failed = workers_[row.contender]; !failed) {  // in an earlier row
+      failed = loading_worker(row.contender);
+      failed->end_load();
+    }
+    ContenderWorker& worker = *workers_[row.contender];
     const RowFrame frame = first_frame(row.job, run_.scene);
     const Support support = worker.go(frame, suite_.truth);
     if (process_ == 0 || !support) {
@@ -213,8 +201,8 @@ class Batch {
     if (!support) return give_up(row, Status::unsupported);
     const ContenderWorker::SetupTime setup = worker.setup_time();
     row.record.times(Stage::setup).push_back({setup.ms});
-    if (setup.other_clocks.device) row.record.device_times(Stage::setup).push_back({*setup.other_clocks.device});
-    if (setup.other_clocks.harness) row.record.harness_times(Stage::setup).push_back({*setup.other_clocks.harness});
+    if (const auto device = setup.other_clocks.device) row.record.device_times(Stage::setup).push_back({*device});
+    if (const auto harness = setup.other_clocks.harness) row.record.harness_times(Stage::setup).push_back({*harness});
     row.record.iterations["setup"] = 1;
     if (process_ > 0) return;
     const auto measured = measure(row.record, run_, worker, frame);
@@ -223,7 +211,7 @@ class Batch {
     if (suite_.pictures == Suite::Pictures::all) write_pictures(row.record, run_.scene, *measured, sides_[row.side].out);
   }
 
-  /// What builds of rows have in common that are the same work.
+  /// Equal for rows whose builds are the same work.
   std::pair<std::size_t, std::size_t> build_of(const PendingRow& row) const {
     return {row.contender, workers_[row.contender]->object_count()};
   }
@@ -240,15 +228,8 @@ class Batch {
         row->record.iterations["build"] = static_cast<std::uint64_t>(known->second.iterations);
         continue;
       }
-      const auto start = Clock::now();
-      try {
-        tasks.push_back(warm_up(*row, stage, others.emplace_back()));
-        owners.push_back(row);
-      } catch (const std::exception& failure) {
-        others.resize(tasks.size());
-        fail(*row, message_of(failure));
-      }
-      *row->record.seconds += seconds_since(start);
+      if (attempt(*row, [&] { tasks.push_back(warm_up(*row, stage, others.emplace_back())); })) owners.push_back(row);
+      others.resize(tasks.size());
     }
     time_interleaved(tasks);
     for (std::size_t k = 0; k < tasks.size(); ++k) {
@@ -265,21 +246,21 @@ class Batch {
     }
   }
 
-  /// A process more.
+  /// Adds the times of a process.
   static void add_samples(Record& record, Stage stage, const TimingTask& task) {
     record.times(stage).push_back(task.samples);
     if (!task.others.device.empty()) record.device_times(stage).push_back(task.others.device);
     if (!task.others.harness.empty()) record.harness_times(stage).push_back(task.others.harness);
   }
 
-  /// Warm-ups, fewer when they take long; they also say how often to repeat. `others` will get the other clocks' times. Stages
-  /// over 0.5 s are timed once per process.
+  /// Warm-ups, fewer when they take long; their time decides how often to repeat. `others` will get the other clocks' times.
+  /// Stages over 0.5 s are timed once per process.
   TimingTask warm_up(PendingRow& row, Stage stage, OtherSamples& others) {
     WorkerClient& worker = workers_[row.contender]->client();
     const double least = warmed_up_ms(worker, stage, suite_.warmups);
     TimingTask task;
     task.repetitions = least > 500 ? 1 : suite_.repetitions;
-    // The first process says how many calls a repetition averages, so that all repetitions of the row are alike.
+    // The first process decides how many calls a repetition averages, so that all repetitions of the row are alike.
     std::uint64_t& iterations = row.record.iterations[std::string(name(stage))];
     if (iterations == 0) iterations = static_cast<std::uint64_t>(iterations_for(least));
     task.iterations = static_cast<int>(iterations);

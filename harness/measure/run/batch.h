@@ -1,7 +1,4 @@
 #pragma once
-#include <vector>
-
-#include "measure/progress.h"
 #include "measure/run/jobs.h"
 
 namespace gnomon {
@@ -25,8 +22,8 @@ struct PendingRow {
 /// From fewer processes no interval of the bootstrap covers 95 %, or nearly (statistics.h).
 inline constexpr std::size_t least_processes = 5;
 
-/// Whether relight and resolve are known well enough: the 95 % interval of each is at most the share `interval` of its time
-/// wide and comes from `least_processes` at least. Times that nothing is judged by (statistics.h's least_time) are.
+/// Whether relight and resolve are measured well enough: the 95 % interval of each is at most the share `interval` of its time
+/// wide and comes from `least_processes` at least. Times below statistics.h's least_time always are.
 bool is_narrow(const Record& record, double interval);
 
 /// No row gets more processes than this, however wide its intervals are.
@@ -36,13 +33,13 @@ int most_processes(const Suite& suite);
 /// a long sweep takes turns. Contenders of one batch are interleaved. A job's rows of both sides stay together.
 std::vector<std::vector<PendingRow>> split(std::vector<PendingRow> rows);
 
-/// Runs the rows of one batch: each comes back with its record complete, or failed with the reason. When the suite asks for an
-/// interval, rows that need it get more processes, of at most `budget` seconds in all. Answers the seconds that those took.
+/// Runs the rows of one batch: each comes back with its record complete, or failed with the reason. When the suite has an
+/// interval, rows that need it get more processes, of at most `budget` seconds in all. Returns the seconds that those took.
 double run_batch(SceneRun& run, const Suite& suite, std::span<const Side> sides, std::vector<PendingRow>& rows,
                  Progress& progress, double budget);
 
-/// What the batch took beside its rows (opening workers, loading the scene) belongs to them: shared out by processes, so that
-/// the seconds of all rows are those of the run. Answers the share of one process.
+/// Distributes the time of the batch beside its rows (opening workers, loading the scene) among them by processes, so that the
+/// seconds of all rows are those of the run. Returns the share of one process.
 double share_overhead(std::vector<PendingRow>& batch, double seconds);
 
 }  // namespace gnomon

@@ -1,7 +1,4 @@
-// Which rows a batch holds, and when it has had processes enough.
-#include <algorithm>
-#include <map>
-
+// The rows of each batch, and when it has had enough processes.
 #include "measure/run/batch.h"
 
 namespace gnomon {

@@ -1,22 +1,15 @@
 #include "measure/run/estimate.h"
 
 #include <fcntl.h>
-#include <gnomon/error.h>
 #include <sys/file.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <cerrno>
 #include <cstring>
-#include <fstream>
-#include <map>
-#include <set>
 
 #include "measure/part_file.h"
 #include "measure/paths.h"
-#include "measure/progress.h"
 #include "measure/run/timing.h"
-#include "measure/scene/blob.h"
 
 namespace gnomon {
 
@@ -39,20 +32,10 @@ double timed_seconds(const std::array<double, 3>& stages, const Effort& effort) 
   return sum;
 }
 
-/// Calls use(key, member) for every field, for writing and for reading.
-void for_each_field(auto& cost, const auto& use) {
-  use("job", cost.job);
-  use("scene", cost.scene);
-  use("technique", cost.technique);
-  use("settings", cost.settings);
-  use("path", cost.path);
-  use("width", cost.width);
-  use("height", cost.height);
-  use("machine", cost.machine);
-  use("once", cost.once);
-  use("process", cost.process);
-  use("stages", cost.stages);
-  use("measured", cost.is_measured);
+void for_each_field(MaybeConst<RowCost> auto& r, const auto& use) {
+  use("job", r.job, "scene", r.scene, "technique", r.technique, "settings", r.settings, "path", r.path);
+  use("width", r.width, "height", r.height, "machine", r.machine);
+  use("once", r.once, "process", r.process, "stages", r.stages, "measured", r.is_measured);
 }
 
 double pixels(int width, int height) { return static_cast<double>(width) * height; }
@@ -65,7 +48,7 @@ RowCost scaled_to(RowCost cost, int width, int height) {
   return cost;
 }
 
-/// Of a file of costs: some times what ours have. A larger one is not ours.
+/// Size of a file of costs: several times that of ours. A larger one is not ours.
 constexpr std::uintmax_t most_bytes = 64 << 20;
 
 /// Lines that are no costs are left out.
@@ -74,7 +57,7 @@ std::vector<RowCost> costs_in(std::istream& lines) {
   for (std::string line; std::getline(lines, line);) try {
       const Json fields = parse_json(line);
       RowCost cost;
-      for_each_field(cost, [&](const char* key, auto& value) { fields.at(key).get_to(value); });
+      for_each_field(cost, UseFields{[&](const char* key, auto& value) { fields.at(key).get_to(value); }});
       costs.push_back(std::move(cost));
     } catch (const Json::exception&) {  // of another version, or damaged: it is learned again
     }
@@ -85,10 +68,21 @@ std::string lines_of(std::span<const RowCost> costs) {
   std::string text;
   for (const RowCost& cost : costs) {
     Json fields;
-    for_each_field(cost, [&](const char* key, const auto& value) { fields[key] = value; });
+    for_each_field(cost, UseFields{[&](const char* key, const auto& value) { fields[key] = value; }});
     text += json_text(fields) + '\n';
   }
   return text;
+}
+
+/// From 0, the same job, to 6, nothing in common.
+int distance(const RowCost& cost, const Job& job) {
+  if (cost.job == job.hash) return 0;
+  const bool same_technique = cost.technique == job.contender.technique;
+  const bool same_contender = same_technique && cost.settings == job.contender.settings;
+  const bool same_scene = cost.scene == job.scene && cost.path == job.path;
+  if (same_scene && same_contender) return cost.width == job.width && cost.height == job.height ? 1 : 2;
+  if (same_scene && same_technique) return 3;
+  return same_contender ? 4 : same_technique ? 5 : 6;
 }
 
 /// One writer at a time, for as long as it lives.
@@ -121,7 +115,7 @@ class WriterLock {
 }  // namespace
 
 double RowCost::seconds(const Effort& effort) const {
-  // An unsupported row asks once and is over.
+  // An unsupported row is over after its first answer.
   return is_measured ? once + effort.processes * (process + timed_seconds(stages, effort)) : once;
 }
 
@@ -150,7 +144,7 @@ RowCost cost_of(const Record& record, int warmups, double opening) {
     for (const std::vector<double>& process : times)
       effort.repetitions = std::max(effort.repetitions, static_cast<int>(process.size()));
   }
-  // Build is timed once per process and stands in the records of all lights: what cannot have been spent is taken off it.
+  // Build is timed once per process and is in the records of all lights: what cannot have been spent is taken off it.
   const double total = cost.once, processes = std::max(1, effort.processes);
   if (processes * timed_seconds(cost.stages, effort) > total) cost.stages[0] = 0;
   const double setup = median_of_medians(record.times(Stage::setup)).value_or(0) / 1000;
@@ -182,7 +176,7 @@ History own_history() { return History(cache_root() / "history.jsonl"); }
 
 std::vector<RowCost> shipped_costs() {
   std::vector<fs::path> files;
-  std::string stamp = "costs 1";  // one more when cost_of says something else of a record
+  std::string stamp = "costs 1";  // one more when cost_of computes something else from a record
   std::error_code none;
   for (const fs::directory_entry& entry : fs::directory_iterator(data_root() / "results", none)) {
     const fs::path file = records_file(entry.path());
@@ -191,7 +185,7 @@ std::vector<RowCost> shipped_costs() {
     files.push_back(file);
     stamp += fmt::format("|{} {} {}", file.string(), size, fs::last_write_time(file, none).time_since_epoch().count());
   }
-  // All records take a second to read, their costs a tenth of that: they are kept.
+  // Reading all records takes a second, reading their costs a tenth of that: the costs are kept.
   const fs::path kept = cache_root() / "shipped_costs.jsonl";
   std::ifstream lines(is_plain_file(kept) && fs::file_size(kept) <= most_bytes ? kept : fs::path(), std::ios::binary);
   if (std::string known; std::getline(lines, known) && known == stamp) return costs_in(lines);
@@ -206,73 +200,47 @@ std::vector<RowCost> shipped_costs() {
     } catch (const Error&) {  // of another version: an estimate can do without
     }
   if (fs::is_directory(kept.parent_path(), none) && !is_of_another_user(kept.parent_path()))
-    try {  // who only asks for a price leaves no folder behind
+    try {  // an estimate alone creates no folder
       write_file(kept, stamp + '\n' + lines_of(costs));
     } catch (const Error&) {  // it is read again
     }
   return costs;
 }
 
-Estimator::Estimator(std::vector<RowCost> costs, std::string machine) {
+Estimator::Estimator(std::vector<RowCost> costs, std::string machine) : costs_(std::move(costs)), machine_(std::move(machine)) {
   std::map<std::string, std::vector<double>> ratios;
   std::map<std::string, double> own_seconds;
-  for (const RowCost& cost : costs)
-    if (cost.machine == machine && cost.is_measured) own_seconds[cost.job] = cost.seconds({});
-  for (const RowCost& cost : costs) {
-    if (cost.machine == machine || !cost.is_measured) continue;
+  for (const RowCost& cost : costs_)
+    if (cost.machine == machine_ && cost.is_measured) own_seconds[cost.job] = cost.seconds({});
+  for (const RowCost& cost : costs_) {
+    if (cost.machine == machine_ || !cost.is_measured) continue;
     const auto own = own_seconds.find(cost.job);
     if (own != own_seconds.end() && cost.seconds({}) > 0) ratios[cost.machine].push_back(own->second / cost.seconds({}));
   }
-  for (RowCost& cost : costs) {
-    if (cost.machine == machine) {
-      here_.push_back(std::move(cost));
-      continue;
-    }
+  for (RowCost& cost : costs_) {
+    if (cost.machine == machine_) continue;
     const std::vector<double>& known = ratios[cost.machine];
     const double ratio = known.size() < 5 ? 1 : median(known);
     cost.once *= ratio;
     cost.process *= ratio;
     for (double& ms : cost.stages) ms *= ratio;
-    elsewhere_.push_back(std::move(cost));
   }
 }
 
 TimeEstimate Estimator::operator()(std::span<const Job> jobs, const Effort& effort) const {
-  using Near = bool (*)(const RowCost&, const Job&);
-  static constexpr auto technique = [](const RowCost& c, const Job& j) { return c.technique == j.contender.technique; };
-  static constexpr auto contender = [](const RowCost& c, const Job& j) {
-    return technique(c, j) && c.settings == j.contender.settings;
-  };
-  static constexpr auto scene = [](const RowCost& c, const Job& j) { return c.scene == j.scene && c.path == j.path; };
-  static constexpr Near levels[] = {
-      [](const RowCost& c, const Job& j) { return c.job == j.hash; },
-      [](const RowCost& c, const Job& j) {
-        return scene(c, j) && contender(c, j) && c.width == j.width && c.height == j.height;
-      },
-      [](const RowCost& c, const Job& j) { return scene(c, j) && contender(c, j); },
-      [](const RowCost& c, const Job& j) { return scene(c, j) && technique(c, j); },
-      [](const RowCost& c, const Job& j) { return contender(c, j); },
-      [](const RowCost& c, const Job& j) { return technique(c, j); },
-      [](const RowCost&, const Job&) { return true; },
-  };
   TimeEstimate result;
   for (const Job& job : jobs) {
-    std::vector<double> found;
-    const auto look = [&](const std::vector<RowCost>& costs, std::size_t level) {
-      for (const RowCost& cost : costs)
-        if ((level == 0 || cost.is_measured) && levels[level](cost, job))
-          found.push_back(scaled_to(cost, job.width, job.height).seconds(effort));
-      return !found.empty();
-    };
-    for (std::size_t level = 0; level < std::size(levels) && found.empty(); ++level)
-      if (look(here_, level))
-        ++(level == 0 ? result.here : result.similar);
-      else if (look(elsewhere_, level))
-        ++(level == 0 ? result.elsewhere : result.similar);
-    if (found.empty())
-      ++result.unknown;
-    else
-      result.seconds += median(found);
+    std::vector<double> found;  // seconds by the nearest rows; at one distance, those of this machine come first
+    int nearest = std::numeric_limits<int>::max();
+    for (const RowCost& cost : costs_) {
+      const int rank = 2 * distance(cost, job) + (cost.machine == machine_ ? 0 : 1);
+      if (rank > nearest || (rank > 1 && !cost.is_measured)) continue;
+      if (rank < nearest) found.clear();
+      nearest = rank;
+      found.push_back(scaled_to(cost, job.width, job.height).seconds(effort));
+    }
+    if (!found.empty()) result.seconds += median(found);
+    ++(found.empty() ? result.unknown : nearest == 0 ? result.here : nearest == 1 ? result.elsewhere : result.similar);
   }
   return result;
 }

@@ -1,11 +1,4 @@
 #pragma once
-#include <array>
-#include <filesystem>
-#include <span>
-#include <string>
-#include <vector>
-
-#include "measure/record/record.h"
 #include "measure/run/jobs.h"
 
 namespace gnomon {
@@ -28,13 +21,13 @@ struct RowCost {
   double seconds(const Effort& effort) const;
 };
 
-/// Seconds of a process that opens a worker and its scene; where a record does not tell it from the rest.
+/// Seconds of a process that opens a worker and its scene, where a record does not have them apart from the rest.
 inline constexpr double usual_opening = 0.04;
 
-/// The cost that a record tells of, when its row was run with so many warm-ups and `opening` seconds for each process.
+/// The cost of a record's row that was run with so many warm-ups and `opening` seconds for each process.
 RowCost cost_of(const Record& record, int warmups = 3, double opening = usual_opening);
 
-/// Processor, cores and threads: what a time depends on first.
+/// Processor, cores and threads: what a time depends on most.
 std::string machine_name(const Json& context);
 
 /// Costs by job and machine, bounded; a file that all runs of one user write. Rows that cannot be read are left out: it is a
@@ -44,8 +37,8 @@ class History {
   static constexpr std::size_t most_rows = 4000;
   explicit History(std::filesystem::path file) : file_(std::move(file)) {}
   std::vector<RowCost> read() const;
-  /// Replaces what is known of these jobs on their machine, and forgets the oldest rows beyond `most_rows`. One writer at a
-  /// time: others wait. Throws Error when the file cannot be written.
+  /// Replaces the costs of these jobs on their machine, and removes the oldest rows beyond `most_rows`. One writer at a time:
+  /// others wait. Throws Error when the file cannot be written.
   void add(std::span<const RowCost> costs) const;
 
  private:
@@ -54,14 +47,14 @@ class History {
 /// CACHE/history.jsonl.
 History own_history();
 
-/// Costs of all results/*/records.jsonl that come with the program: what a fresh clone knows. Files that are no records are
-/// left out. CACHE/shipped_costs.jsonl, where there is a cache, keeps them until one of the files changes.
+/// Costs of all results/*/records.jsonl that come with the program, for a fresh clone. Files that are no records are left out.
+/// CACHE/shipped_costs.jsonl, where there is a cache, keeps them until one of the files changes.
 std::vector<RowCost> shipped_costs();
 
 struct TimeEstimate {
   double seconds = 0;
-  std::size_t here = 0, elsewhere = 0, similar = 0;  ///< rows known from this machine, from another, guessed
-  std::size_t unknown = 0;                           ///< rows of which nothing is known
+  std::size_t here = 0, elsewhere = 0, similar = 0;  ///< rows measured on this machine, on another, guessed
+  std::size_t unknown = 0;                           ///< rows without any basis
 };
 
 /// What these jobs will take on `machine`, by the nearest earlier row: the same job; else the same technique on the same scene,
@@ -73,7 +66,8 @@ class Estimator {
   TimeEstimate operator()(std::span<const Job> jobs, const Effort& effort) const;
 
  private:
-  std::vector<RowCost> here_, elsewhere_;  ///< the latter scaled to this machine
+  std::vector<RowCost> costs_;  ///< those of other machines scaled to this one
+  std::string machine_;
 };
 
 /// "estimated time: 4 min 10 s (from 140 rows measured on this machine, 18 guessed from similar rows)".

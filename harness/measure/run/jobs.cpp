@@ -1,15 +1,14 @@
 #include "measure/run/jobs.h"
 
-#include <gnomon/param.h>
+#include <gnomon/registry.h>
 
-#include <algorithm>
-
+#include "measure/program/plugin_facts.h"
 #include "measure/record/title.h"
 #include "measure/run/light_selection.h"
-#include "measure/scene/blob.h"
 #include "measure/scene/load.h"
 #include "measure/scene/motion.h"
 #include "measure/scene/names.h"
+#include "measure/worker/build.h"
 #include "measure/worker/outside.h"
 
 namespace gnomon {
@@ -35,7 +34,7 @@ namespace {
 
 bool is_pattern(const std::string& word) { return word.find('*') != word.npos; }
 
-/// The views of a scene that words ask for, each once: names, or patterns in which `*` stands for any letters. The first where
+/// The views of a scene that words select, each once: names, or patterns in which `*` matches any letters. The first where
 /// there are no words.
 std::vector<std::string> views_of(const std::vector<std::string>& words, const std::string& reference, const Scene& scene) {
   const std::vector<std::string> there = names_of(scene.views);
@@ -73,8 +72,7 @@ void check_path(const Scene& scene, const std::string& reference, const std::str
     }
 }
 
-/// Why a technique supports nothing of a group; nothing where it supports something, or where a scene is not there to ask
-/// about.
+/// Why a technique supports nothing of a group; nothing where it supports something, or where a scene is not there.
 std::optional<std::string> objection(const SuiteGroup& group, const std::string& technique, SceneLibrary& library,
                                      SupportQuestions& questions) {
   std::optional<std::string> why;
@@ -102,7 +100,7 @@ std::vector<Contender> contenders_of(const SuiteGroup& group, SceneLibrary& libr
     std::optional<std::string> why;
     if (contender.is_from_wildcard) try {
         why = objection(group, contender.technique, library, questions);
-      } catch (const WorkerFailure&) {  // its rows will say so
+      } catch (const WorkerFailure&) {  // its rows will report it
       }
     if (why)
       left_out.push_back(fmt::format("{}: {}", contender.technique, *why));
@@ -154,7 +152,7 @@ SuiteJobs expand_jobs(const Suite& suite, SceneLibrary& library, const WorkerOpt
         lights = row_lights(group.lights, reference, *entry.scene);
         views = views_of(group.views, reference, *entry.scene);
       } else {
-        // Not fetched, so nobody knows its lights: one row per technique says so.
+        // Not fetched, so its lights are unknown: one row per technique reports that.
         if (std::ranges::all_of(group.lights, is_light_name))
           for (const std::string& light : group.lights) lights.push_back({light, {light}});
         if (lights.empty()) lights = {{"-", {"-"}}};
@@ -183,6 +181,53 @@ SuiteJobs expand_jobs(const Suite& suite, SceneLibrary& library, const WorkerOpt
   std::ranges::sort(result.left_out);
   result.left_out.erase(std::unique(result.left_out.begin(), result.left_out.end()), result.left_out.end());
   return result;
+}
+
+Record start_record(const Job& job, const Suite& suite, const Scene* scene, const Json& context) {
+  Record record;
+  record.job = job.hash;
+  record.suite = suite.name;
+  record.scene = job.scene;
+  record.light = job.light;
+  record.view = job.view;
+  record.technique = job.contender.technique;
+  record.settings = job.contender.settings;
+  if (!job.contender.label.empty()) record.label = job.contender.label;
+  const TechniqueEntry& entry = registry().technique(job.contender.technique);
+  record.role = entry.about.role;
+  for (const OwnCause& cause : entry.about.causes)
+    record.own_causes.push_back({std::string(cause.id), std::string(cause.sentence), cause.color});
+  const auto technique = entry.make();
+  technique->apply(job.contender.settings);
+  for (const Parameter* row : technique->parameters()) {
+    const Json number = parse_if_json(row->text());
+    record.parameters[std::string(row->name())] = number.is_number() ? number : Json(row->text());
+  }
+  record.width = job.width;
+  record.height = job.height;
+  record.path = job.path;
+  record.place = job.place;
+  record.truth = suite.truth;
+  record.context = context;
+  const Json plugin = plugin_facts(job.contender.technique, job.contender.settings);
+  if (!plugin.is_null()) record.context["plugin"] = plugin;
+  // Another program's row has what that was built of.
+  const std::string source = context.contains("technique_sources") ? context["technique_sources"].value(record.technique, "")
+                                                                   : technique_source(record.technique, record.settings);
+  record.context.erase("technique_sources");
+  if (!source.empty()) record.context["technique_source"] = source;
+  if (scene) {
+    std::vector<const Light*> lights;
+    for (const std::string& name : job.lights)
+      if (const Light* const light = find_named(scene->lights, name)) lights.push_back(light);
+    describe_lights(record, lights);
+    describe_scene(record, *scene);
+  } else {
+    for (const std::string& name : job.lights) record.lights.emplace_back().name = name;
+  }
+  if (plugin.is_object() && !plugin.value("optimized", true))
+    record.notes.push_back(fmt::format("{} comes from a plugin that was compiled without optimization", record.technique));
+  return record;
 }
 
 }  // namespace gnomon

@@ -1,11 +1,4 @@
 #pragma once
-#include <algorithm>
-#include <map>
-#include <memory>
-#include <optional>
-#include <string>
-#include <vector>
-
 #include "measure/row/contender_worker.h"
 #include "measure/run/suite.h"
 
@@ -13,12 +6,12 @@ namespace gnomon {
 
 /// One row to be: a technique with settings on one scene, light and view.
 struct Job {
-  std::string hash;                 ///< of what is asked: the same job has the same hash in every run and shard
+  std::string hash;                 ///< the same job has the same hash in every run and shard
   std::string scene, light, view;   ///< `light` as tables write it, see RowLights
   std::vector<std::string> lights;  ///< names; where the scene is not fetched that of `light` alone
   Contender contender;
   int width = 0, height = 0;
-  std::string path;           ///< that it follows; empty: it stands still
+  std::string path;           ///< that it follows; empty: nothing moves
   int global_samples = 0;     ///< see SuiteGroup
   std::size_t place = 0;      ///< position in the expanded suite
   std::string title() const;  ///< "SCENE LIGHT [VIEW] [PATH] TECHNIQUE:SETTINGS", as of its record
@@ -32,7 +25,7 @@ class SceneLibrary {
     std::string missing;  ///< why there is no scene: it is not fetched
   };
   const Entry& get(const std::string& reference);
-  /// From now on the scene of this name is read from another place, as load_scene takes it; the first one told counts.
+  /// From now on the scene of this name is read from another place, as load_scene takes it; the first call for a name counts.
   void read_from(const std::string& reference, const std::string& place) { places_.emplace(reference, place); }
   void forget(const std::string& reference) { entries_.erase(reference); }
 
@@ -47,13 +40,13 @@ struct SuiteJobs {
   /// "shadow_map: a shadow map has one center ...". They have no job in the group.
   std::vector<std::string> left_out;
 };
-/// All jobs of a suite. What techniques of a `*` support is asked in workers; one that does not answer stays: its rows say why.
+/// All jobs of a suite. Workers query what techniques of a `*` support; one that does not answer stays: its rows report why.
 /// Throws Error when a scene lacks a named light, view or path, or a path has a frame that cannot be drawn.
 SuiteJobs expand_jobs(const Suite& suite, SceneLibrary& library, const WorkerOptions& worker);
 
 /// The first frame of the job's row.
 RowFrame first_frame(const Job& job, const Scene& scene);
-/// The job's record with all that is known before anything runs. `scene` is null where it is not fetched.
+/// The job's record with all facts from before the run. `scene` is null where it is not fetched.
 Record start_record(const Job& job, const Suite& suite, const Scene* scene, const Json& context);
 
 }  // namespace gnomon

@@ -3,7 +3,7 @@
 #include <gnomon/error.h>
 #include <gnomon/param.h>
 
-#include <algorithm>
+#include "measure/scene/names.h"
 
 namespace gnomon {
 
@@ -21,31 +21,23 @@ namespace {
 
 class Words {
  public:
-  Words(const std::string& scene_name, const Scene& scene) : scene_name_(scene_name), scene_(scene) {
-    for (const Light& light : scene.lights) names_.push_back(light.name);
-  }
+  Words(const std::string& scene_name, const Scene& scene)
+      : scene_name_(scene_name), scene_(scene), names_(names_of(scene.lights)) {}
 
-  /// The lights, in the scene's order, that a word without `+` asks for.
+  /// The lights, in the scene's order, that a word without `+` selects.
   std::vector<std::string> lights(const std::string& word) const {
+    const bool is_soft = word == "*soft", is_of_kind = is_soft || word == "*hard";
     std::vector<std::string> found;
-    const auto add = [&](const auto& is_wanted) {
-      for (const Light& light : scene_.lights)
-        if (is_wanted(light)) found.push_back(light.name);
-    };
-    if (word == "*soft" || word == "*hard") {
-      add([&](const Light& light) { return has_area(light) == (word == "*soft"); });
-      if (found.empty())
-        throw Error("scene {} has no light {} area, which {} asks for; it has: {}", scene_name_,
-                    word == "*soft" ? "with" : "without", word, joined(names_, ", "));
-    } else {
-      add([&](const Light& light) { return is_like(light.name, word); });
-      if (found.empty() && word.find('*') != word.npos)
-        throw Error("scene {} has no light whose name is like {}; it has: {}", scene_name_, word, joined(names_, ", "));
-      if (found.empty())
-        throw Error("scene {} has no light {}; did you mean {}? It has: {}", scene_name_, word, nearest_word(word, names_),
-                    joined(names_, ", "));
-    }
-    return found;
+    for (const Light& light : scene_.lights)
+      if (is_of_kind ? has_area(light) == is_soft : is_like(light.name, word)) found.push_back(light.name);
+    if (!found.empty()) return found;
+    if (is_of_kind)
+      throw Error("scene {} has no light {} area, which {} asks for; it has: {}", scene_name_, is_soft ? "with" : "without",
+                  word, joined(names_));
+    if (word.find('*') != word.npos)
+      throw Error("scene {} has no light whose name is like {}; it has: {}", scene_name_, word, joined(names_));
+    throw Error("scene {} has no light {}; did you mean {}? It has: {}", scene_name_, word, nearest_word(word, names_),
+                joined(names_));
   }
 
   /// The row of a word with `+`.
@@ -92,8 +84,7 @@ class Words {
     if (lights.size() > most_lights)
       throw Error("lights {} of scene {} are {}; a row has at most {} lights together", word, scene_name_, lights.size(),
                   most_lights);
-    if (lights.size() == 1) return {lights.front(), std::move(lights)};
-    return {word, std::move(lights)};
+    return {lights.size() == 1 ? lights.front() : word, std::move(lights)};
   }
 
   const std::string& scene_name_;

@@ -1,14 +1,9 @@
 #include <gnomon/error.h>
 
-#include <algorithm>
-#include <map>
-
 #include "measure/part_file.h"
 #include "measure/program/plugin_facts.h"
-#include "measure/record/origin.h"
 #include "measure/record/scene_place.h"
 #include "measure/run/run.h"
-#include "measure/scene/blob.h"
 #include "measure/scene/load.h"
 #include "measure/worker/build.h"
 #include "measure/worker/machine_context.h"
@@ -37,7 +32,7 @@ std::optional<int> repetitions_of(const Record& record) {
   return static_cast<int>(most);
 }
 
-/// Throws Error when a row that counts as done was not done as the suite asks now.
+/// Throws Error when a row that counts as done was not done as the suite now requires.
 void require_effort(const fs::path& out, const Record& record, const Suite& suite) {
   if (record.status != Status::ok) return;
   const auto processes = static_cast<int>(record.times(Stage::resolve).size());
@@ -79,7 +74,7 @@ std::vector<std::string> changes(std::span<const Record> kept, const Record& now
 }  // namespace
 
 void use_recorded_scenes(const fs::path& out, Suite& suite, SceneLibrary& library) {
-  if (!is_plain_file(records_file(out))) return;  // who writes it will say so
+  if (!is_plain_file(records_file(out))) return;  // its writer will report it
   std::map<std::string, std::string> recorded;    // name as written then, by the path of the file
   std::error_code code;
   for (const Record& record : read_records(out))

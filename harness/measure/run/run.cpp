@@ -1,9 +1,6 @@
 #include "measure/run/run.h"
 
-#include <gnomon/error.h>
-
 #include <charconv>
-#include <map>
 
 #include "measure/paths.h"
 #include "measure/pattern.h"
@@ -11,8 +8,6 @@
 #include "measure/run/batch.h"
 #include "measure/run/estimate.h"
 #include "measure/run/run_file.h"
-#include "measure/scene/blob.h"
-#include "measure/scratch_folder.h"
 #include "measure/worker/machine_context.h"
 
 namespace gnomon {
@@ -20,8 +15,6 @@ namespace gnomon {
 namespace fs = std::filesystem;
 
 namespace {
-
-using Clock = std::chrono::steady_clock;
 
 void refuse_records(const fs::path& out, std::string_view advice) {
   const fs::path records = records_file(out);
@@ -95,7 +88,7 @@ void run_rows(std::vector<PendingRow> rows, const RowsPlan& plan, Progress& prog
       }
       std::optional<double> opening;
       if (run) {
-        const auto opened = Clock::now();
+        const auto opened = std::chrono::steady_clock::now();
         const double allowance = budget * static_cast<double>(batch.size()) / static_cast<double>(rows_left);
         budget -= run_batch(*run, plan.suite, plan.sides, batch, progress, allowance);
         opening = share_overhead(batch, seconds_since(opened));
@@ -126,7 +119,7 @@ std::vector<Job> select_jobs(const RunOptions& options, std::vector<Job> jobs) {
 }
 
 RunSummary run_suite(const RunOptions& options, SceneLibrary& library, Progress& progress) {
-  const auto start = Clock::now();
+  const auto start = std::chrono::steady_clock::now();
   const SuiteJobs suite = expand_jobs(options.suite, library, options.worker);
   const std::vector<Job> jobs = select_jobs(options, suite.jobs);
   const auto refuse = [&] {
@@ -134,7 +127,7 @@ RunSummary run_suite(const RunOptions& options, SceneLibrary& library, Progress&
   };
   make_folder(options.out, "output folder");
   refuse();
-  // From here on the folder is ours: nobody else reads what to do from it, or changes what it holds.
+  // From here on the folder is ours: no other run continues or changes its rows.
   RecordWriter writer(options.out);
   refuse();  // of a run that ended just now
   const Earlier earlier = options.resume ? earlier_rows(options, library, suite.jobs, jobs) : Earlier{};

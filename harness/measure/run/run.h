@@ -1,11 +1,5 @@
 #pragma once
-#include <filesystem>
-#include <set>
-
-#include "measure/progress.h"
-#include "measure/record/record.h"
 #include "measure/run/jobs.h"
-#include "measure/worker/worker_process.h"
 
 namespace gnomon {
 
@@ -17,7 +11,7 @@ struct RunOptions {
   bool retry_failed = false;             ///< with resume: rows that failed are run again
   bool rebuilt = false;                  ///< with resume: rows that other code measured are run again, and no error
   std::vector<std::string> command;      ///< the words by which the program was called, for run.json
-  int shard_index = 0, shard_count = 1;  ///< runs the jobs whose hash says so
+  int shard_index = 0, shard_count = 1;  ///< runs the jobs of this shard, by their hash
   WorkerOptions worker;                  ///< of this program
 };
 
@@ -31,38 +25,40 @@ struct RunSummary {
 /// Those of `jobs` (all of the suite) that the options select, in order. Throws Error on a bad expression.
 std::vector<Job> select_jobs(const RunOptions& options, std::vector<Job> jobs);
 
-/// What a folder holds of a run that is to go on in it.
+/// The rows in a folder in which a run continues.
 struct Earlier {
   std::vector<Record> kept;        ///< numbered as the suite numbers its rows now, in order of the file
   std::set<std::string> done;      ///< jobs of `kept`: they are not run again
   bool is_changed = false;         ///< the file does not hold `kept` as it is: rows went, or have new places
-  std::vector<std::string> notes;  ///< what a reader of the table should know: other processors, other numbers of threads
+  std::vector<std::string> notes;  ///< for readers of the table: other processors, other numbers of threads
 };
 
-/// Scenes of the suite that records in the folder know by another path to the same file get the name that these have, so that a
-/// run may go on from any folder.
+/// Scenes of the suite that records in the folder name by another path to the same file get the name in the records, so that a
+/// run may continue from any folder.
 void use_recorded_scenes(const std::filesystem::path& out, Suite& suite, SceneLibrary& library);
 
-/// Reads options.out; nothing where there are no records. A scene that was not fetched then and is now is run, and its old row
-/// goes; so does a failed row of `jobs` when failed ones are to be tried again, one of `jobs` whose plugin was built anew, and
-/// with `rebuilt` one that other code measured: what all techniques share, or the technique's own. Rows that cannot stand in
-/// one table with new ones are an Error: of a scene that has changed since, of other code, of a plugin as it was when they are
-/// not in `jobs`, of another suite, and of the same one with other processes, repetitions or truth; so is a folder none of
-/// whose rows the suite has. Where it has some, a note counts the rest. `suite` are all jobs of the suite, `jobs` those that
-/// are asked for.
+/// Reads options.out; nothing where there are no records. `suite` are all jobs of the suite, `jobs` the selected ones. These
+/// rows are removed and run again:
+///   - of a scene that was not fetched then and is now;
+///   - of `jobs`, failed, with `retry_failed`;
+///   - of `jobs`, with a plugin that was built anew;
+///   - with `rebuilt`, measured by other code: of all techniques, or of its own.
+/// Rows that one table cannot have with new ones are an Error: of a scene that has changed since, of other code, of a plugin as
+/// it was when they are not in `jobs`, of another suite, and of the same one with other processes, repetitions or truth. So is
+/// a folder without any row of the suite. Where it has some, a note counts the rest.
 Earlier earlier_rows(const RunOptions& options, SceneLibrary& library, std::span<const Job> suite, std::span<const Job> jobs);
 
 /// Runs the selected jobs: one record per job in OUT/records.jsonl, masks, error pictures and shaded pictures beside it. A
-/// worker that fails costs its own row. What the rows took is remembered for estimates (estimate.h). The folder belongs to one
-/// run at a time. Throws Error on an output folder that another run writes, or that holds records without `resume` or such that
-/// cannot be continued (earlier_rows), and on a full disk.
+/// worker that fails costs its own row. The times of the rows are kept for estimates (estimate.h). The folder belongs to one
+/// run at a time. Throws Error on an output folder that another run writes, or that contains records without `resume` or such
+/// that cannot be continued (earlier_rows), and on a full disk.
 RunSummary run_suite(const RunOptions& options, SceneLibrary& library, Progress& progress);
 
 /// Runs every selected job with two programs side by side: workers of both live at once and their repetitions are interleaved
-/// at random, so that what the machine does to one it does to the other. The scenes, G-buffers and references are this
-/// program's, the contender. The folders `base` and `contender` in `out` become runs of their own; both carry the same mark in
-/// the context of their records, by which compare knows that their processes are pairs. Throws Error when the other program
-/// cannot work for this one, and when a folder holds records already.
+/// at random, so that the machine's load affects both alike. The scenes, G-buffers and references are this program's, the
+/// contender. The folders `base` and `contender` in `out` become runs of their own; both have the same mark in the context of
+/// their records, by which compare finds that their processes are pairs. Throws Error when the other program cannot serve this
+/// one, and when a folder contains records already.
 void run_live(const RunOptions& options, const std::string& base_program, SceneLibrary& library, Progress& progress);
 
 }  // namespace gnomon

@@ -1,11 +1,6 @@
 #include "measure/run/run_file.h"
 
-#include <gnomon/error.h>
-
-#include <set>
-
 #include "measure/part_file.h"
-#include "measure/scene/blob.h"
 #include "measure/scene/load.h"
 #include "measure/scene/scene_json.h"
 #include "measure/worker/build.h"
@@ -20,17 +15,12 @@ constexpr const char* schema = "gnomon-run-1";
 
 fs::path run_file(const fs::path& folder) { return folder / "run.json"; }
 
-std::string text_of(const fs::path& file) {
-  const std::shared_ptr<const MappedFile> copy = MappedFile::copy(file);
-  return {reinterpret_cast<const char*>(copy->bytes().data()), copy->bytes().size()};
-}
-
 /// The entries of a folder; none where it has no such file.
 Json runs_of(const fs::path& folder) {
   const fs::path file = run_file(folder);
   if (!fs::exists(fs::symlink_status(file))) return Json::array();
   if (!is_plain_file(file)) throw Error("{} cannot be read: it is not a file", file.string());
-  const Json json = parse_if_json(text_of(file));
+  const Json json = parse_if_json(file_text(file));
   if (!json.is_object() || json.value("schema", Json()) != schema || !json.value("runs", Json()).is_array())
     throw Error("{} does not say how the folder was run ({}): move it away", file.string(), schema);
   return json["runs"];
@@ -43,7 +33,7 @@ void write_runs(const fs::path& folder, Json runs) {
 Json described(const std::string& reference, const Scene* scene) {
   Json json = json_object({{"scene", reference}, {"text", nullptr}, {"lights", Json::array()}, {"views", Json::array()}});
   if (names_file(reference) && fs::path(reference).extension() == ".toml" && is_plain_file(reference))
-    json["text"] = text_of(reference);
+    json["text"] = file_text(reference);
   if (!scene) return json;
   for (const Light& light : scene->lights) json["lights"].push_back(scene_json(light));
   for (const View& view : scene->views) json["views"].push_back(scene_json(view));

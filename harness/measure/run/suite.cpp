@@ -2,9 +2,7 @@
 
 #include <gnomon/registry.h>
 
-#include <algorithm>
 #include <charconv>
-#include <optional>
 #include <unordered_map>
 
 #include "measure/paths.h"
@@ -93,24 +91,6 @@ std::vector<Contender> read_contenders(const Table& group, const toml::table& ra
   return contenders;
 }
 
-}  // namespace
-
-std::pair<int, int> parse_size(const std::string& text, const std::string& what) {
-  const auto refuse = [&] { throw Error("{} {} is not WxH with W and H of 1 .. 16384 pixels", what, text); };
-  int size[2] = {};
-  const char *at = text.data(), *end = text.data() + text.size();
-  for (int k = 0; k < 2; ++k) {
-    const auto [next, code] = std::from_chars(at, end, size[k]);
-    if (code != std::errc{} || size[k] < 1 || size[k] > 16384) refuse();
-    at = next;
-    if (k == 0 && (at == end || *at++ != 'x')) refuse();
-  }
-  if (at != end) refuse();
-  return {size[0], size[1]};
-}
-
-namespace {
-
 /// Labels those rows of a sweep whose `name()` leaves out a swept parameter, because its value is the default:
 /// "shadow_map:resolution=1024" beside "shadow_map:resolution=256". They are the same jobs as without the label.
 void name_defaults(std::vector<Contender>& contenders, std::span<const std::unique_ptr<Technique>> techniques) {
@@ -147,6 +127,25 @@ void name_defaults(std::vector<Contender>& contenders, std::span<const std::uniq
 }
 
 }  // namespace
+
+std::string file_text(const fs::path& file) {
+  const std::shared_ptr<const MappedFile> copy = MappedFile::copy(file);
+  return {reinterpret_cast<const char*>(copy->bytes().data()), copy->bytes().size()};
+}
+
+std::pair<int, int> parse_size(const std::string& text, const std::string& what) {
+  const auto refuse = [&] { throw Error("{} {} is not WxH with W and H of 1 .. 16384 pixels", what, text); };
+  int size[2] = {};
+  const char *at = text.data(), *end = text.data() + text.size();
+  for (int k = 0; k < 2; ++k) {
+    const auto [next, code] = std::from_chars(at, end, size[k]);
+    if (code != std::errc{} || size[k] < 1 || size[k] > 16384) refuse();
+    at = next;
+    if (k == 0 && (at == end || *at++ != 'x')) refuse();
+  }
+  if (at != end) refuse();
+  return {size[0], size[1]};
+}
 
 std::vector<Contender> parse_contenders(const std::string& text, const std::string& label) {
   if (text == "*") {
@@ -194,8 +193,7 @@ Suite read_suite(const std::string& name_or_path) {
                    "reference_error", "reference_rays", "group"});
   Suite suite;
   suite.name = path.stem();
-  const std::shared_ptr<const MappedFile> file = MappedFile::copy(path);
-  suite.text.assign(reinterpret_cast<const char*>(file->bytes().data()), file->bytes().size());
+  suite.text = file_text(path);
   if (top.has("title")) suite.title = top.text("title");
   suite.width = top.integer("width", suite.width, 1, 16384);
   suite.height = top.integer("height", suite.height, 1, 16384);
@@ -218,13 +216,10 @@ Suite read_suite(const std::string& name_or_path) {
   suite.target.cap = static_cast<std::uint32_t>(top.integer("reference_rays", static_cast<int>(suite.target.cap), 64, 1 << 24));
   for (const toml::table* raw : top.tables("group")) {
     const Table reader(*raw, path, "group", {"scenes", "lights", "views", "techniques", "paths", "sizes", "global_samples"});
-    SuiteGroup group{{},
-                     words(reader, *raw, "lights"),
-                     words(reader, *raw, "views"),
-                     read_contenders(reader, *raw, path),
-                     words(reader, *raw, "paths")};
+    const auto list = [&](std::string_view key) { return words(reader, *raw, key); };
+    SuiteGroup group{{}, list("lights"), list("views"), read_contenders(reader, *raw, path), list("paths")};
     group.global_samples = reader.integer("global_samples", 0, least_global_samples, most_global_samples);
-    const std::vector<std::string> scenes = words(reader, *raw, "scenes"), sizes = words(reader, *raw, "sizes");
+    const std::vector<std::string> scenes = list("scenes"), sizes = list("sizes");
     try {
       for (const std::string& scene : scenes)
         for (std::string& plain : expand_braces(scene)) group.scenes.push_back(std::move(plain));

@@ -17,13 +17,15 @@ struct Contender {
   std::string name() const { return settings.empty() ? technique : technique + ":" + settings; }
 };
 
+/// The bytes of a file.
+std::string file_text(const std::filesystem::path& file);
+
 /// "640x360" into width and height of 1 .. 16384 pixels. Throws Error that starts with `what`.
 std::pair<int, int> parse_size(const std::string& text, const std::string& what);
 
 /// Reads `id:param=value,...`; a comma list in braces is a sweep: `shadow_map:resolution={256,1024}` gives two contenders,
-/// two braces their product; `*` alone is every registered technique. A row of a sweep that has the default of what is swept
-/// gets a label that says so. Throws Error on unknown techniques and parameters and on
-/// values out of range.
+/// two braces their product; `*` alone is every registered technique. A row of a sweep that has the default of the swept
+/// parameter gets a label with that value. Throws Error on unknown techniques and parameters and on values out of range.
 std::vector<Contender> parse_contenders(const std::string& text, const std::string& label = "");
 
 /// Rows that share scenes, lights, views and contenders: their cross product.
@@ -32,7 +34,7 @@ struct SuiteGroup {
   std::vector<std::string> lights;  ///< names, or `*soft` and `*hard`: with area, without; empty: all of each scene
   std::vector<std::string> views;   ///< names, or patterns with `*`; empty: the first view of each scene
   std::vector<Contender> contenders;
-  std::vector<std::string> paths = {};          ///< names, see motion.h; empty: the rows stand still
+  std::vector<std::string> paths = {};          ///< names, see motion.h; empty: nothing moves
   std::vector<std::pair<int, int>> sizes = {};  ///< width and height in pixels; empty: the suite's
   /// Light paths of a pixel of the reference that global pictures are compared with; 0: they are not.
   int global_samples = 0;

@@ -2,9 +2,6 @@
 
 #include <benchmark/benchmark.h>
 
-#include <algorithm>
-#include <cmath>
-
 #include "measure/notice.h"
 
 namespace gnomon {
@@ -32,17 +29,28 @@ class RawReporter final : public benchmark::BenchmarkReporter {
 
 void run_task(benchmark::State& state, TimingTask& task) {
   for (auto _ : state) {
-    if (!task.failure.empty()) {
-      state.SkipWithError(task.failure.c_str());
-      break;
-    }
-    try {
-      state.SetIterationTime(task.milliseconds(task.iterations) / task.iterations / 1000);
-    } catch (const std::exception& error) {
-      task.failure = message_of(error);
-      state.SkipWithError(task.failure.c_str());
-      break;
-    }
+    if (task.failure.empty()) try {
+        state.SetIterationTime(task.milliseconds(task.iterations) / task.iterations / 1000);
+        continue;
+      } catch (const std::exception& error) {
+        task.failure = message_of(error);
+      }
+    state.SkipWithError(task.failure.c_str());
+    break;
+  }
+}
+
+/// A card raises its clocks under load: goes on until three calls in a row take the same by its clock, within 3 %, but no
+/// longer than half a second.
+void settle(WorkerClient& worker, Stage stage) {
+  constexpr double slack = 1.03, most_ms = 500;
+  std::vector<double> device_ms;
+  for (double sum = 0; sum < most_ms;) {
+    sum += worker.time(stage);
+    device_ms.push_back(worker.other_clocks().device.value_or(0));
+    if (device_ms.size() < 3) continue;
+    const auto [least, most] = std::minmax_element(device_ms.end() - 3, device_ms.end());
+    if (*most <= *least * slack) return;
   }
 }
 
@@ -66,11 +74,36 @@ void time_interleaved(std::vector<TimingTask>& tasks) {
     benchmark::RegisterBenchmark(std::to_string(k).c_str(), [&tasks, k](benchmark::State& state) { run_task(state, tasks[k]); })
         ->UseManualTime()
         ->Unit(benchmark::kMillisecond)
-        ->Iterations(1)  // for Google Benchmark, which knows the mean only: the task does all of them at once
+        ->Iterations(1)  // for Google Benchmark, which reports the mean only: the task does all of them at once
         ->Repetitions(tasks[k].repetitions);
   RawReporter reporter(tasks);
   if (!tasks.empty()) benchmark::RunSpecifiedBenchmarks(&reporter, ".*");
   benchmark::ClearRegisteredBenchmarks();
+}
+
+double warmed_up_ms(WorkerClient& worker, Stage stage, int warmups) {
+  constexpr double most_ms = 300;
+  double least = 0, sum = 0;
+  for (int k = 0; k < warmups && sum < most_ms; ++k) {
+    const double ms = worker.time(stage);
+    least = k == 0 ? ms : std::min(least, ms);
+    sum += ms;
+  }
+  if (warmups > 0 && worker.other_clocks().device) settle(worker, stage);
+  return least;
+}
+
+Record::FloorTimes floor_times(WorkerClient& worker, int repetitions) {
+  const int iterations = std::min(iterations_for(worker.time_floor(1)), most_floor_times);
+  std::vector<double> ms, device_ms;
+  for (int k = 0; k < repetitions; ++k) {
+    ms.push_back(worker.time_floor(iterations) / iterations);
+    if (const auto device = worker.other_clocks().device) device_ms.push_back(*device / iterations);
+  }
+  Record::FloorTimes times;
+  times.ms.push_back(std::move(ms));
+  if (!device_ms.empty()) times.device_ms.push_back(std::move(device_ms));
+  return times;
 }
 
 }  // namespace gnomon

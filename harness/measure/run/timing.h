@@ -1,7 +1,6 @@
 #pragma once
-#include <functional>
-#include <string>
-#include <vector>
+#include "measure/record/record.h"
+#include "measure/worker/worker_client.h"
 
 namespace gnomon {
 
@@ -14,9 +13,9 @@ struct OtherSamples {
 struct TimingTask {
   int repetitions = 3;
   int iterations = 1;                       ///< per repetition; their mean is the sample
-  std::function<double(int)> milliseconds;  ///< does the stage so many times and says how long all took together; may throw
+  std::function<double(int)> milliseconds;  ///< does the stage so many times, returns how long all took together; may throw
   std::vector<double> samples;              ///< out: one per repetition, milliseconds
-  OtherSamples others;                      ///< the same by other clocks, where whoever gave the task has some
+  OtherSamples others;                      ///< the same by other clocks, where the owner of the task has some
   std::string failure;                      ///< out: why there are no more samples
 };
 
@@ -27,5 +26,12 @@ int iterations_for(double ms);
 /// Times all tasks with Google Benchmark, repetitions of different tasks interleaved at random. Times are manual: what the
 /// task itself reports. A task that throws costs its own samples only.
 void time_interleaved(std::vector<TimingTask>& tasks);
+
+/// Does a stage so many times untimed, fewer where that takes long, and by a card until times are stable. Returns the time of
+/// the fastest one, milliseconds: other work on the machine only adds.
+double warmed_up_ms(WorkerClient& worker, Stage stage, int warmups);
+
+/// Times of the frame's bare pass in this process, warmed up.
+Record::FloorTimes floor_times(WorkerClient& worker, int repetitions);
 
 }  // namespace gnomon

@@ -34,46 +34,8 @@ void visit_scene(auto& io, auto& scene) {
     io.list(scene.paths, [](auto& sub, auto& path) { sub(path.name, path.moves, path.positions, path.frame_count); });
 }
 
-}  // namespace
-
-std::string content_hash(std::span<const std::byte> bytes) {
-  const XXH128_hash_t hash = XXH3_128bits(bytes.data(), bytes.size());
-  return fmt::format("{:016x}{:016x}", hash.high64, hash.low64);
-}
-std::string content_hash(const std::string& text) { return content_hash(std::as_bytes(std::span(text))); }
-
-std::vector<std::byte> scene_bytes(const Scene& scene) {
-  FieldWriter writer;
-  writer(layout_version);
-  visit_scene(writer, scene);
-  return std::move(writer.bytes);
-}
-
-std::string scene_hash(const Scene& scene, std::span<const std::string> lights) {
-  const auto is_other = [&](const Light& one) { return has_area(one) && std::ranges::find(lights, one.name) == lights.end(); };
-  const auto has_dropped = [](const Mesh& mesh) { return mesh.facts.degenerate_count > 0; };
-  if (scene.notes.empty() && std::ranges::none_of(scene.lights, is_other) && std::ranges::none_of(scene.meshes, has_dropped))
-    return content_hash(scene_bytes(scene));
-  Scene known = scene;
-  std::erase_if(known.lights, is_other);
-  known.notes.clear();
-  for (Mesh& mesh : known.meshes) mesh.facts.degenerate_count = 0;
-  return content_hash(scene_bytes(known));
-}
-
-Scene scene_from_bytes(std::span<const std::byte> bytes) {
-  FieldReader reader(bytes, "scene bytes end too early");
-  std::uint32_t version = 0;
-  reader(version);
-  if (version != layout_version) throw Error("scene bytes have layout {}; this program reads {}", version, layout_version);
-  Scene scene;
-  visit_scene(reader, scene);
-  return scene;
-}
-
-namespace {
-
-/// A regular file that is open for reading, and its size; closed at the end of the scope. A pipe has nobody to wait for.
+/// A regular file that is open for reading, and its size; closed at the end of the scope. Opening does not wait for a pipe's
+/// writer.
 struct OpenFile {
   const std::filesystem::path& path;
   int descriptor;
@@ -100,6 +62,41 @@ struct OpenFile {
 };
 
 }  // namespace
+
+std::string content_hash(std::span<const std::byte> bytes) {
+  const XXH128_hash_t hash = XXH3_128bits(bytes.data(), bytes.size());
+  return fmt::format("{:016x}{:016x}", hash.high64, hash.low64);
+}
+std::string content_hash(const std::string& text) { return content_hash(std::as_bytes(std::span(text))); }
+
+std::vector<std::byte> scene_bytes(const Scene& scene) {
+  FieldWriter writer;
+  writer(layout_version);
+  visit_scene(writer, scene);
+  return std::move(writer.bytes);
+}
+
+std::string scene_hash(const Scene& scene, std::span<const std::string> lights) {
+  const auto is_other = [&](const Light& one) { return has_area(one) && std::ranges::find(lights, one.name) == lights.end(); };
+  const auto has_dropped = [](const Mesh& mesh) { return mesh.facts.degenerate_count > 0; };
+  if (scene.notes.empty() && std::ranges::none_of(scene.lights, is_other) && std::ranges::none_of(scene.meshes, has_dropped))
+    return content_hash(scene_bytes(scene));
+  Scene hashed = scene;
+  std::erase_if(hashed.lights, is_other);
+  hashed.notes.clear();
+  for (Mesh& mesh : hashed.meshes) mesh.facts.degenerate_count = 0;
+  return content_hash(scene_bytes(hashed));
+}
+
+Scene scene_from_bytes(std::span<const std::byte> bytes) {
+  FieldReader reader(bytes, "scene bytes end too early");
+  std::uint32_t version = 0;
+  reader(version);
+  if (version != layout_version) throw Error("scene bytes have layout {}; this program reads {}", version, layout_version);
+  Scene scene;
+  visit_scene(reader, scene);
+  return scene;
+}
 
 std::shared_ptr<const MappedFile> MappedFile::open(const std::filesystem::path& path) {
   const OpenFile file(path);

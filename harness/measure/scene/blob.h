@@ -1,7 +1,6 @@
 #pragma once
 #include <gnomon/scene.h>
 
-#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <span>
@@ -16,8 +15,8 @@ std::string content_hash(const std::string& text);
 
 /// A scene as bytes, with everything that a technique or the scoring can see; equal scenes give equal bytes.
 std::vector<std::byte> scene_bytes(const Scene& scene);
-/// What a record knows the scene by that lights of these names lit: the hash of everything that can be seen or lit. It leaves
-/// out what the loader said of the file (notes, dropped triangles), and the other lights with area, so that a scene which gains
+/// The identity in records of a scene that lights of these names lit: the hash of everything that can be seen or lit. It leaves
+/// out what the loader noted about the file (notes, dropped triangles) and all other lights with area. Hence a scene that gains
 /// such a light keeps its records.
 std::string scene_hash(const Scene& scene, std::span<const std::string> lights);
 inline std::string scene_hash(const Scene& scene, const Light& light) { return scene_hash(scene, {&light.name, 1}); }
@@ -29,7 +28,7 @@ class MappedFile {
  public:
   /// Throws Error when the file cannot be mapped.
   static std::shared_ptr<const MappedFile> open(const std::filesystem::path& path);
-  /// The same bytes in memory of our own: who shortens the file later does not end this process.
+  /// The same bytes in memory of this process, which then survives that the file is shortened.
   static std::shared_ptr<const MappedFile> copy(const std::filesystem::path& path);
   ~MappedFile();
   std::span<const std::byte> bytes() const { return bytes_; }
@@ -38,14 +37,14 @@ class MappedFile {
   std::span<const std::byte> bytes_;
 };
 
-/// Writes a whole file under a temporary name, then renames it: nobody ever sees half of it. Makes the parent folders. A
-/// link in its place is replaced, not followed: replaced_file (part_file.h) follows one that somebody named.
-/// Throws Error that says what, where and why (a full disk, an unwritable folder); nothing is left behind then.
+/// Writes a whole file under a temporary name, then renames it: it is never visible in part. Makes the parent folders. A
+/// link in its place is replaced, not followed: replaced_file (part_file.h) follows one that a person named.
+/// Throws Error with the file and the reason (a full disk, an unwritable folder), and leaves no file.
 /// A durable file is on the disk before it gets its name.
 enum class Durable { no, yes };
 void write_file(const std::filesystem::path& path, std::span<const std::byte> bytes, Durable durable = Durable::no);
 void write_file(const std::filesystem::path& path, const std::string& text, Durable durable = Durable::no);
-/// Sees that the names in the folder of `path` are on the disk as they are now. Not every disk can: then nothing happens.
+/// Writes the present names in the folder of `path` to the disk. Does nothing where the disk cannot do so.
 void sync_folder_of(const std::filesystem::path& path);
 
 }  // namespace gnomon

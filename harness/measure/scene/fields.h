@@ -1,6 +1,6 @@
 #pragma once
-// Values as bytes, one behind the other. One function names the fields of a struct in their order, for a
-// writer and for a reader, so that the two cannot disagree: `io(mesh.name, mesh.positions, mesh.casts)`.
+// Values as bytes, one after the other. One function names the fields of a struct in their order, for a writer and for a
+// reader, so that the two cannot disagree: `io(mesh.name, mesh.positions, mesh.casts)`.
 #include <gnomon/error.h>
 
 #include <cstddef>
@@ -15,32 +15,22 @@
 
 namespace gnomon {
 
-/// Appends values to `bytes`: numbers and plain structs as they lie in memory, texts and vectors of such behind their count
-/// (64 bits), variants behind their index (32 bits), what may be missing behind whether it is there (bool).
+/// Appends values to `bytes`: numbers and plain structs as they are in memory, texts and vectors of such after their count
+/// (64 bits), variants after their index (32 bits), optional values after whether they are there (bool).
 class FieldWriter {
  public:
   std::vector<std::byte> bytes;
 
-  template <class... T>
-  void operator()(const T&... values) {
-    (put(values), ...);
-  }
+  void operator()(const auto&... values) { (put(values), ...); }
   /// Items that are no plain structs: their count, then each as `visit(io, item)` writes it.
-  template <class Items, class Visit>
-  void list(const Items& items, Visit visit) {
+  void list(const auto& items, const auto& visit) {
     put(static_cast<std::uint64_t>(items.size()));
     for (const auto& item : items) visit(*this, item);
   }
-  /// Plain structs whose count is told in another place.
-  template <class T>
-  void items(const std::vector<T>& items) {
-    append(items.data(), items.size() * sizeof(T));
-  }
+  /// Plain structs whose count is stored in another place.
+  void items(const auto& items) { append(items.data(), items.size() * sizeof(*items.data())); }
   /// Whether a list that older bytes lack follows.
-  template <class T>
-  bool has_more(const std::vector<T>& items) const {
-    return !items.empty();
-  }
+  bool has_more(const auto& items) const { return !items.empty(); }
 
  private:
   template <class T>
@@ -53,7 +43,7 @@ class FieldWriter {
       if (value) put(*value);
     } else if constexpr (requires { value.data(); }) {
       put(static_cast<std::uint64_t>(value.size()));
-      append(value.data(), value.size() * sizeof(*value.data()));
+      items(value);
     } else {
       static_assert(std::is_trivially_copyable_v<T>);
       append(&value, sizeof(T));
@@ -65,34 +55,26 @@ class FieldWriter {
   }
 };
 
-/// The inverse, of bytes that may be damaged: no count is believed that the rest cannot hold. Throws Error with the words
+/// The inverse, of bytes that may be damaged: a count that the rest cannot hold is refused. Throws Error with the words
 /// `too_short` where bytes are missing.
 class FieldReader {
  public:
   FieldReader(std::span<const std::byte> bytes, std::string too_short) : bytes_(bytes), too_short_(std::move(too_short)) {}
 
-  template <class... T>
-  void operator()(T&... values) {
-    (take(values), ...);
-  }
-  template <class T, class Visit>
-  void list(std::vector<T>& items, Visit visit) {
+  void operator()(auto&... values) { (take(values), ...); }
+  void list(auto& items, const auto& visit) {
     std::uint64_t count = 0;
     take(count);
     need(count, 1);
     items.clear();
     for (std::uint64_t k = 0; k < count; ++k) visit(*this, items.emplace_back());  // memory for those alone that are there
   }
-  template <class Items>
-  void items(Items& items, std::uint64_t count) {
+  void items(auto& items, std::uint64_t count) {
     need(count, sizeof(*items.data()));
     items.resize(count);
     copy(items.data(), count * sizeof(*items.data()));
   }
-  template <class T>
-  bool has_more(const std::vector<T>&) const {
-    return !bytes_.empty();
-  }
+  bool has_more(const auto&) const { return !bytes_.empty(); }
   std::size_t left() const { return bytes_.size(); }
 
  private:

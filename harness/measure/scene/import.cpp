@@ -1,5 +1,5 @@
-// Imports a mesh file: a child process reads it, because importers crash on damaged files; this side believes nothing it is
-// told, and places, rounds and triangulates itself.
+// Imports a mesh file. A child process reads it, because importers crash on damaged files. This side checks all that the child
+// sends, and places, rounds and triangulates itself.
 #include "measure/scene/import.h"
 
 #include <algorithm>
@@ -15,6 +15,7 @@
 #include "measure/printable.h"
 #include "measure/scene/base_scene.h"
 #include "measure/scene/load.h"
+#include "measure/scene/names.h"
 
 namespace gnomon {
 
@@ -59,10 +60,10 @@ void check_file(const fs::path& file) {
 bool has_other_threads() { return std::distance(fs::directory_iterator("/proc/self/task"), fs::directory_iterator()) > 1; }
 
 /// The child's answer. While the process has one thread, a plain fork is safe and takes no time. With threads (TBB, GL) a fork
-/// may find locks held for ever by threads it does not have, so the program starts itself anew with its hidden sub-command
+/// may find locks held for ever by threads that it does not have, so the program starts itself anew with its hidden sub-command
 /// `import-mesh`. A binary of another name (unit tests, users of the library) has no such sub-command: GNOMON_PROGRAM names the
 /// program for it, else it forks all the same.
-std::vector<std::byte> ask_child(const fs::path& file) {
+std::vector<std::byte> answer_of_child(const fs::path& file) {
   const std::string name = file.string();
   if (has_other_threads()) {
     if (const char* program = std::getenv("GNOMON_PROGRAM")) return output_of_program(name, program, file);
@@ -90,7 +91,7 @@ struct Reach {
   }
 };
 
-/// What the scene's notes say of a file, counted over its meshes.
+/// Counts for the scene's notes, over all meshes of a file.
 struct NoteCounts {
   std::size_t short_faces = 0, self_crossing_polygons = 0;  ///< left out, split as fans
   std::size_t textured = 0, transparent = 0;                ///< triangles
@@ -98,9 +99,10 @@ struct NoteCounts {
   Reach raw, placed;
 };
 
-/// Which vertices the faces of a mesh use. Throws Error on a face that names none, or has too many corners.
-std::vector<bool> used_vertices(const std::string& where, const ImportedMesh& raw) {
-  std::vector<bool> used(raw.positions.size());
+/// Marks by 1 the vertices that the faces of a mesh use. Throws Error on a face that names a missing vertex or has too many
+/// corners.
+std::vector<std::uint8_t> used_vertices(const std::string& where, const ImportedMesh& raw) {
+  std::vector<std::uint8_t> used(raw.positions.size());
   std::span<const std::uint32_t> corners = raw.corners;
   for (std::size_t f = 0; f < raw.corner_counts.size(); ++f) {
     const std::size_t count = raw.corner_counts[f];
@@ -109,7 +111,7 @@ std::vector<bool> used_vertices(const std::string& where, const ImportedMesh& ra
     for (const std::uint32_t corner : corners.first(count)) {
       if (corner >= used.size())
         throw Error("{}, face {}: vertex index {} is outside 0 .. {}", where, f, corner, std::int64_t(used.size()) - 1);
-      if (count >= 3) used[corner] = true;
+      if (count >= 3) used[corner] = 1;
     }
     corners = corners.subspan(count);
   }
@@ -120,11 +122,9 @@ std::vector<bool> used_vertices(const std::string& where, const ImportedMesh& ra
 /// vertex again. Returns the place in `mesh` of each vertex of the file.
 std::vector<std::uint32_t> place_vertices(const std::string& where, const ImportedMesh& raw, const glm::dmat4& place,
                                           const Placement& placement, NoteCounts& counts, Mesh& mesh) {
-  const std::vector<bool> used = used_vertices(where, raw);
+  const std::vector<std::uint8_t> used = used_vertices(where, raw);
   std::vector<glm::vec3> positions(raw.positions.size());
-  std::vector<std::uint8_t> wanted(raw.positions.size());
   for (std::size_t v = 0; v < raw.positions.size(); ++v) {
-    wanted[v] = used[v];
     if (!used[v]) continue;
     const glm::dvec3& p = raw.positions[v];
     const glm::dvec3 placed = placement.apply(glm::dvec3(place * glm::dvec4(p, 1)));
@@ -135,7 +135,7 @@ std::vector<std::uint32_t> place_vertices(const std::string& where, const Import
     counts.raw.add(p);
     counts.placed.add(placed);
   }
-  std::vector<std::uint32_t> welded = weld(positions, wanted);
+  std::vector<std::uint32_t> welded = weld(positions, used);
   for (std::uint32_t v = 0; v < welded.size(); ++v) {
     if (!used[v]) continue;
     const bool is_new = welded[v] == v;
@@ -162,13 +162,12 @@ Mesh convert(const fs::path& file, const ImportedMesh& raw, const glm::dmat4& pl
   for (const std::uint32_t count : raw.corner_counts) {
     face.clear();
     for (std::uint32_t k = 0; k < count; ++k) face.push_back(welded[*corner++]);
-    if (count < 3) {
-      ++counts.short_faces;
-      continue;
-    }
+    counts.short_faces += count < 3;
+    if (count < 3) continue;
     const std::size_t before = mesh.triangles.size();
     if (!triangulate(mesh.positions, face, mesh.triangles)) ++counts.self_crossing_polygons;
-    // Corners that fell together took triangles with them; what stands for these is dropped, and counted, with all of no area.
+    // Corners that fell together took triangles with them: triangles without area fill the gap, and are dropped and counted
+    // with all others.
     mesh.triangles.resize(std::max(mesh.triangles.size(), before + count - 2), glm::uvec3(face[0]));
   }
   if (raw.has_texture) counts.textured += mesh.triangles.size();
@@ -181,11 +180,8 @@ template <class Named>
 std::string free_name(std::string name, const std::vector<Named>& taken, std::string_view fallback) {
   for (char& c : name) c = std::isalnum(static_cast<unsigned char>(c)) ? static_cast<char>(std::tolower(c)) : '_';
   if (name.find_first_not_of('_') == std::string::npos) name = fallback;
-  const auto is_taken = [&](const std::string& candidate) {
-    return std::any_of(taken.begin(), taken.end(), [&](const Named& item) { return item.name == candidate; });
-  };
   std::string candidate = name;
-  for (int i = 2; is_taken(candidate); ++i) candidate = fmt::format("{}_{}", name, i);
+  for (int i = 2; find_named(taken, candidate); ++i) candidate = fmt::format("{}_{}", name, i);
   return candidate;
 }
 
@@ -195,21 +191,20 @@ glm::dvec3 placed_direction(const Placement& placement, const glm::dvec3& direct
   return glm::normalize(usable_direction(turn.apply(direction)));
 }
 
+/// Notes what became of a camera or light of the file.
+void note_item(Scene& scene, const fs::path& file, std::string_view kind, const std::string& name, std::string_view what) {
+  scene.notes.push_back(fmt::format("{}: {} '{}' {}", file.filename().string(), kind, printable(name, true), what));
+}
+
 /// A camera without a target looks at the point of its axis that is nearest to the middle of the scene.
 void add_camera(const fs::path& file, const ImportedCamera& raw, const Placement& placement, const Bounds& bounds,
                 Scene& scene) {
-  if (!(raw.fov_y > 0 && raw.fov_y < std::numbers::pi)) {
-    scene.notes.push_back(fmt::format("{}: camera '{}' is not a perspective one of 0 to 180 degrees and is left out",
-                                      file.filename().string(), printable(raw.name, true)));
-    return;
-  }
+  if (!(raw.fov_y > 0 && raw.fov_y < std::numbers::pi))
+    return note_item(scene, file, "camera", raw.name, "is not a perspective one of 0 to 180 degrees and is left out");
   const glm::dvec3 eye = placement.apply(raw.eye);
   const glm::dvec3 forward = placed_direction(placement, raw.forward), up = placed_direction(placement, raw.up);
-  if (!is_sound(forward) || !is_sound(up)) {
-    scene.notes.push_back(fmt::format("{}: camera '{}' stands at a node without size and is left out", file.filename().string(),
-                                      printable(raw.name, true)));
-    return;
-  }
+  if (!is_sound(forward) || !is_sound(up))
+    return note_item(scene, file, "camera", raw.name, "stands at a node without size and is left out");
   const glm::dvec3 low(bounds.min), high(bounds.max);
   const double distance = std::max(glm::dot((low + high) / 2.0 - eye, forward), 0.1 * glm::length(high - low));
   scene.views.push_back({.name = free_name(raw.name, scene.views, "view"),
@@ -225,27 +220,23 @@ constexpr float widest_spot = 89.9f;
 void add_light(const fs::path& file, const ImportedLight& raw, const Placement& placement, Scene& scene) {
   const glm::vec3 position(placement.apply(raw.position));
   const glm::vec3 direction(placed_direction(placement, raw.direction));
-  Light light{.name = free_name(raw.name, scene.lights, "light"), .kind = PointLight{position}};
+  Light light{free_name(raw.name, scene.lights, "light"), PointLight{position}, static_cast<float>(raw.intensity)};
   if (raw.kind == ImportedLightKind::directional) light.kind = DirectionalLight{direction};
   if (raw.kind == ImportedLightKind::spot)
-    light.kind = SpotLight{.position = position,
-                           .direction = direction,
-                           .inner_degrees = static_cast<float>(glm::degrees(raw.inner)),
-                           .outer_degrees = static_cast<float>(glm::degrees(raw.outer))};
+    light.kind = SpotLight{position, direction, static_cast<float>(glm::degrees(raw.inner)),
+                           static_cast<float>(glm::degrees(raw.outer))};
   if (auto* spot = std::get_if<SpotLight>(&light.kind);
       spot && spot->outer_degrees >= widest_spot && spot->outer_degrees <= 90) {
-    scene.notes.push_back(fmt::format("{}: light '{}' is a spot of {:g} degrees and is read as one of {:g}",
-                                      file.filename().string(), printable(raw.name, true), spot->outer_degrees, widest_spot));
+    note_item(scene, file, "light", raw.name,
+              fmt::format("is a spot of {:g} degrees and is read as one of {:g}", spot->outer_degrees, widest_spot));
     spot->outer_degrees = widest_spot;
     spot->inner_degrees = std::min(spot->inner_degrees, widest_spot);
   }
-  light.intensity = static_cast<float>(raw.intensity);
   if (raw.kind == ImportedLightKind::other)
-    scene.notes.push_back(fmt::format("{}: light '{}' is of no punctual kind and is left out", file.filename().string(),
-                                      printable(raw.name, true)));
+    note_item(scene, file, "light", raw.name, "is of no punctual kind and is left out");
   else if (!(light.intensity > 0 && std::isfinite(light.intensity)))
-    scene.notes.push_back(fmt::format("{}: light '{}' has the intensity {:g} and is left out", file.filename().string(),
-                                      printable(raw.name, true), raw.intensity * lumens_per_watt));
+    note_item(scene, file, "light", raw.name,
+              fmt::format("has the intensity {:g} and is left out", raw.intensity * lumens_per_watt));
   else
     scene.lights.push_back(light);
 }
@@ -256,7 +247,7 @@ bool is_mesh_file_name(const fs::path& file) { return has_mesh_format(file); }
 
 void import_file(const fs::path& file, const Placement& placement, Scene& scene) {
   check_file(file);
-  add_imported(file, ask_child(file), placement, scene);
+  add_imported(file, answer_of_child(file), placement, scene);
 }
 
 void importing::add_imported(const fs::path& file, std::span<const std::byte> answer, const Placement& placement,
@@ -275,7 +266,7 @@ void importing::add_imported(const fs::path& file, std::span<const std::byte> an
       triangle_count += mesh.triangles.size();
       if (triangle_count > max_triangle_count) throw Error("{}: more than {} triangles", file.string(), max_triangle_count);
       if (mesh.triangles.empty()) continue;
-      for (const glm::vec3& p : mesh.positions) bounds.add(p);
+      bounds.add(mesh.positions);
       scene.meshes.push_back(std::move(mesh));
     }
   if (triangle_count == 0)

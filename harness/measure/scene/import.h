@@ -2,10 +2,8 @@
 // Private to the importer: the child that reads a mesh file, and the helpers of both sides.
 #include <gnomon/scene.h>
 
-#include <cstddef>
 #include <filesystem>
 #include <functional>
-#include <glm/glm.hpp>
 #include <span>
 #include <string>
 #include <vector>

@@ -67,12 +67,8 @@ bool triangulate(std::span<const glm::vec3> positions, std::span<const std::uint
   const auto fan = [&](std::span<const std::uint32_t> rest) {
     for (std::size_t i = 1; i + 1 < rest.size(); ++i) triangles.emplace_back(rest[0], rest[i], rest[i + 1]);
   };
-  if (n == 3) {
-    fan(loop);
-    return true;
-  }
-  const std::vector<glm::dvec2> flat = flatten(positions, loop);
-  if (is_convex(flat)) {
+  const std::vector<glm::dvec2> flat = n > 3 ? flatten(positions, loop) : std::vector<glm::dvec2>();
+  if (n == 3 || is_convex(flat)) {
     fan(loop);
     return true;
   }

@@ -1,4 +1,4 @@
-// From what `--scene` says to a scene that every technique can take: find it, load it, frame it, check it.
+// Turns the argument of `--scene` into a scene that every technique accepts: finds, loads, frames and checks it.
 #include "measure/scene/load.h"
 
 #include <gnomon/kit/irradiance.h>
@@ -22,22 +22,19 @@ std::vector<fs::path> described_scenes() {
   std::vector<fs::path> files;
   for (const fs::directory_entry& entry : fs::directory_iterator(data_root() / "scenes"))
     if (entry.path().extension() == ".toml") files.push_back(entry.path());
-  std::sort(files.begin(), files.end());
+  std::ranges::sort(files);
   return files;
 }
 
 /// The first line of a described scene is `# Title: summary`.
 SceneListing describe(const fs::path& file) {
-  SceneListing listing{.id = file.stem().string(), .title = file.stem().string(), .summary = ""};
-  std::ifstream in(file);
+  SceneListing listing{file.stem().string(), file.stem().string(), "", false, is_fetched(file.string())};
   std::string line;
-  std::getline(in, line);
-  if (line.starts_with("# ")) {
-    const std::size_t colon = line.find(": ");
-    listing.title = line.substr(2, colon == std::string::npos ? colon : colon - 2);
-    if (colon != std::string::npos) listing.summary = line.substr(colon + 2);
-  }
-  listing.available = is_fetched(file.string());
+  std::getline(std::ifstream(file), line);
+  if (!line.starts_with("# ")) return listing;
+  const std::size_t colon = line.find(": ");
+  listing.title = line.substr(2, colon == std::string::npos ? colon : colon - 2);
+  if (colon != std::string::npos) listing.summary = line.substr(colon + 2);
   return listing;
 }
 
@@ -60,7 +57,7 @@ Scene load_by_id(const std::string& reference, const Descriptions& above) {
     if (colon != std::string::npos) throw Error("scene {} has no parameters: it is described in {}", id, file.string());
     return read_scene_toml(file, above);
   }
-  std::sort(ids.begin(), ids.end());
+  std::ranges::sort(ids);
   throw Error("scene {} does not exist; did you mean {}? There are: {}; or give a .toml or mesh file", id,
               nearest_word(id, ids), joined(ids, ", "));
 }
@@ -76,7 +73,7 @@ void check_names(const std::vector<Named>& items, std::string_view what, const s
   }
 }
 
-/// Where the default eye and lights stand, seen from the middle: the eye above the right front, the lights above the left.
+/// Where the default eye and lights are, seen from the middle: the eye above the right front, the lights above the left.
 constexpr glm::dvec3 toward_eye{0.55, 0.5, 1}, toward_point{-0.7, 1.2, 0.55}, toward_sun{-0.6, 1, 0.3};
 
 /// From three quarters and above, as near as an image no higher than wide can be and still show every vertex.
@@ -150,7 +147,7 @@ void check(const Light& light, const std::string& where) {
   const auto need_position = [&](const glm::vec3& v, const char* what) {
     need(is_sound(v), fmt::format("{} = ({}, {}, {}) is outside {}", what, v.x, v.y, v.z, coordinate_range));
   };
-  // Below, float32 has no digits left, and processors are told to take such numbers for 0.
+  // Below, float32 has no digits left, and processors are set to treat such numbers as 0.
   constexpr double least_length = 1e-30;
   const auto need_length = [&](double length, const std::string& what) {
     need(length >= least_length && length <= largest_coordinate,
@@ -187,7 +184,7 @@ void check(const View& view, const std::string& where) {
   need(is_sound(view.eye) && is_sound(view.target) && is_sound(view.up),
        fmt::format("eye, target or up is outside {}", coordinate_range));
   need(view.eye != view.target, fmt::format("eye = target = ({}, {}, {})", view.eye.x, view.eye.y, view.eye.z));
-  // What is left of an `up` this near the line of sight is rounding: the picture would stand any way round.
+  // What is left of an `up` this near the line of sight is rounding: the picture could be upright in any direction.
   constexpr double least_sine = 1e-6;
   const glm::dvec3 sight = glm::dvec3(view.target) - glm::dvec3(view.eye), up = view.up;
   need(glm::length(glm::cross(sight, up)) > least_sine * glm::length(sight) * glm::length(up),
@@ -251,12 +248,9 @@ Scene load_scene(const std::string& reference) {
 std::vector<SceneListing> list_scenes() {
   std::vector<SceneListing> listings;
   for (const SceneEntry& entry : registry().scenes())
-    listings.push_back({.id = entry.id,
-                        .title = std::string(entry.about.title),
-                        .summary = std::string(entry.about.summary),
-                        .generated = true});
+    listings.push_back({entry.id, std::string(entry.about.title), std::string(entry.about.summary), true});
   for (const fs::path& file : described_scenes()) listings.push_back(describe(file));
-  std::sort(listings.begin(), listings.end(), [](const auto& a, const auto& b) { return a.id < b.id; });
+  std::ranges::sort(listings, {}, &SceneListing::id);
   return listings;
 }
 

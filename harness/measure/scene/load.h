@@ -2,14 +2,15 @@
 #include <gnomon/error.h>
 #include <gnomon/scene.h>
 
-#include <algorithm>
 #include <filesystem>
 #include <string>
 #include <vector>
 
+#include "measure/scene/names.h"
+
 namespace gnomon {
 
-/// The scene exists but its files are not here yet: a row that says so, not a failure of the run.
+/// The scene exists but its files are not fetched yet: its rows say so, and the run goes on.
 class SceneNotFetched : public Error {
   using Error::Error;
 };
@@ -22,8 +23,8 @@ Scene load_scene(const std::string& reference);
 /// The light or view of that name, else the first.
 template <class Item>
 const Item& named_or_first(const std::vector<Item>& items, const std::string& name) {
-  const auto found = std::ranges::find(items, name, &Item::name);
-  return found == items.end() ? items.front() : *found;
+  const Item* found = find_named(items, name);
+  return found ? *found : items.front();
 }
 
 /// Whether a reference names a file, of a description, of meshes, or anything with a slash in it; else it is an id.
@@ -59,8 +60,8 @@ bool is_plain_name(std::string_view name);
 void check(const Light& light, const std::string& where);
 void check(const View& view, const std::string& where);
 
-/// The same with directions, normals and `up` at a length that techniques can use: usable_direction of base_scene.h. What a
-/// description says is made so before it is rounded to float32.
+/// The same with directions, normals and `up` at a length that techniques can use: usable_direction of base_scene.h. The
+/// numbers of a description are converted before they are rounded to float32.
 Light usable(Light light);
 View usable(View view);
 

@@ -2,7 +2,6 @@
 #include <gnomon/scene.h>
 
 #include <string>
-#include <vector>
 
 namespace gnomon {
 

@@ -1,6 +1,6 @@
 #include "measure/scene/names.h"
 
-#include <gnomon/error.h>
+#include <gnomon/param.h>
 
 namespace gnomon {
 

@@ -24,7 +24,7 @@ std::vector<std::string> names_of(const std::vector<Item>& items) {
 /// Throws Error with the nearest name when the scene lacks one of these lights (single ones, by name) or views.
 void require_names(const std::string& reference, const Scene& scene, const std::vector<std::string>& lights,
                    const std::vector<std::string>& views);
-/// Throws Error with the nearest name when one of `wanted` is not among those that are `there`, of scene `reference`.
+/// Throws Error with the nearest name when one of `wanted` is missing in `there`, the names in scene `reference`.
 void require_words(const std::vector<std::string>& wanted, const std::vector<std::string>& there, const char* what,
                    const std::string& reference);
 

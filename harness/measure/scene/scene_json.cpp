@@ -2,51 +2,28 @@
 
 #include <fmt/format.h>
 
+#include "measure/scene/parts.h"
+
 namespace gnomon {
 
 namespace {
 
-SceneKeys keys_of(const PointLight& light) { return {{"position", number_json(light.position)}}; }
-SceneKeys keys_of(const SpotLight& light) {
-  return {{"position", number_json(light.position)},
-          {"direction", number_json(light.direction)},
-          {"inner_degrees", number_json(light.inner_degrees)},
-          {"outer_degrees", number_json(light.outer_degrees)}};
+/// Of a light's kind or a shape.
+SceneKeys keys_of(const auto& kind) {
+  SceneKeys keys;
+  const auto add = [&](const char* key, const auto& value) { keys.emplace_back(key, number_json(value)); };
+  if constexpr (requires { kind.points; })
+    keys.emplace_back("points",
+                      Json::array({number_json(kind.points[0]), number_json(kind.points[1]), number_json(kind.points[2])}));
+  else
+    for_each_part(kind, add, add, add, add);
+  if constexpr (requires { kind.outer_degrees; }) {
+    add("inner_degrees", kind.inner_degrees);
+    add("outer_degrees", kind.outer_degrees);
+  }
+  if constexpr (requires { kind.emits; }) keys.emplace_back("one_sided", kind.emits == Emits::in_front);
+  return keys;
 }
-SceneKeys keys_of(const DirectionalLight& light) { return {{"direction", number_json(light.direction)}}; }
-SceneKeys keys_of(const RectLight& light) {
-  return {{"center", number_json(light.center)},
-          {"half_u", number_json(light.half_u)},
-          {"half_v", number_json(light.half_v)},
-          {"one_sided", light.emits == Emits::in_front}};
-}
-SceneKeys keys_of(const DiscLight& light) {
-  return {{"center", number_json(light.center)},
-          {"normal", number_json(light.normal)},
-          {"radius", number_json(light.radius)},
-          {"one_sided", light.emits == Emits::in_front}};
-}
-SceneKeys keys_of(const SphereLight& light) {
-  return {{"center", number_json(light.center)}, {"radius", number_json(light.radius)}};
-}
-
-SceneKeys keys_of(const Sphere& s) { return {{"center", number_json(s.center)}, {"radius", number_json(s.radius)}}; }
-SceneKeys keys_of(const Cone& c) {
-  return {{"base", number_json(c.base)},
-          {"axis", number_json(c.axis)},
-          {"radius", number_json(c.radius)},
-          {"height", number_json(c.height)}};
-}
-SceneKeys keys_of(const Disc& d) {
-  return {{"center", number_json(d.center)}, {"normal", number_json(d.normal)}, {"radius", number_json(d.radius)}};
-}
-SceneKeys keys_of(const Triangle& t) {
-  return {{"points", Json::array({number_json(t.points[0]), number_json(t.points[1]), number_json(t.points[2])})}};
-}
-SceneKeys keys_of(const Plane& p) {
-  return {{"center", number_json(p.center)}, {"half_u", number_json(p.half_u)}, {"half_v", number_json(p.half_v)}};
-}
-SceneKeys keys_of(const Box& b) { return {{"min", number_json(b.min)}, {"max", number_json(b.max)}}; }
 
 Json object(Json named, const SceneKeys& keys) {
   for (const auto& [key, value] : keys) named[key] = value;

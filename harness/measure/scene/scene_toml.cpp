@@ -1,22 +1,22 @@
-// Reads a described scene. Every key is known by name, every value has a type and a range, every complaint a file and a line.
+// Reads a described scene. It checks the name of every key and the type and range of every value, and errors name file and
+// line.
 #include <gnomon/kit/geometry/shapes.h>
 
-#include <fstream>
 #include <numbers>
 
 #include "measure/paths.h"
 #include "measure/scene/base_scene.h"
 #include "measure/scene/load.h"
+#include "measure/scene/parts.h"
 #include "measure/scene/toml_table.h"
-#include "measure/scene/turned_light.h"
 
 namespace gnomon {
 namespace {
 
 namespace fs = std::filesystem;
 
-// --- what descriptions name: their own files, files of fetched scenes, and the scene that they start from, whose description
-// may name another ---
+// --- what descriptions name: their own files, files of fetched scenes, and the scene that they start from, which may be a
+// description, too ---
 
 constexpr std::size_t most_descriptions = 64;
 
@@ -32,20 +32,21 @@ fs::path described_file(const std::string& name, const fs::path& description) {
   return file;
 }
 
-/// An error that says already which description named the scene.
+/// An error whose text names the description that named the scene.
 class BaseError : public Error {
   using Error::Error;
 };
 
-/// The reference as the program takes it, free of the folder that its description lies in.
+/// The reference as the program takes it, independent of the folder that contains its description.
 std::string seen_from_here(const std::string& reference, const fs::path& description) {
   return names_file(reference) ? described_file(reference, description).string() : reference;
 }
 
-void check_fetched(const std::string& reference, std::size_t depth);
-
-/// Throws SceneNotFetched. What is wrong in any other way, loading will say.
-void check_fetched_toml(const fs::path& file, std::size_t depth) {
+/// Throws SceneNotFetched. Loading reports every other mistake.
+void check_fetched(const std::string& reference, std::size_t depth) {
+  if (depth > most_descriptions) return;
+  const fs::path file = names_file(reference) ? fs::path(reference) : data_root() / "scenes" / (reference + ".toml");
+  if (file.extension() != ".toml") return;
   toml::table document;
   try {
     document = read_toml(file.string(), file);
@@ -59,13 +60,7 @@ void check_fetched_toml(const fs::path& file, std::size_t depth) {
   if (const auto base = document["scene"].value_exact<std::string>()) check_fetched(seen_from_here(*base, file), depth + 1);
 }
 
-void check_fetched(const std::string& reference, std::size_t depth) {
-  if (depth > most_descriptions) return;
-  const fs::path file = names_file(reference) ? fs::path(reference) : data_root() / "scenes" / (reference + ".toml");
-  if (file.extension() == ".toml") check_fetched_toml(file, depth);
-}
-
-/// Throws Error when a description is one of those above it, or lies below too many.
+/// Throws Error when a description is one of those above it, or below too many.
 void check_above(const fs::path& description, const Descriptions& above) {
   std::error_code ignored;
   const auto same =
@@ -97,23 +92,27 @@ Scene read_base(const std::string& reference, const fs::path& description, const
   }
 }
 
-// --- what they hold ---
+// --- contents of descriptions ---
 
-/// `kind` first: it decides which keys are known.
-std::string kind_of(const toml::table& table, const fs::path& file, const std::string& what,
-                    const std::vector<std::string>& kinds) {
-  const std::string kind = Table(table, file, what).text("kind");
-  if (std::find(kinds.begin(), kinds.end(), kind) == kinds.end())
-    throw Error("{}.kind = '{}' is not one of {}; did you mean {}? ({}:{})", what, kind, joined(kinds, ", "),
-                nearest_word(kind, kinds), file.string(), table.get("kind")->source().begin.line);
-  return kind;
+/// A kind of shape or light, and the keys that it has beside those of all kinds.
+struct Kind {
+  std::string name;
+  std::vector<std::string_view> keys;
+};
+
+/// Read before the other keys: it decides which of them are allowed.
+const Kind& kind_of(const toml::table& table, const fs::path& file, const std::string& what, const std::vector<Kind>& kinds) {
+  const std::string name = Table(table, file, what).text("kind");
+  if (const Kind* kind = find_named(kinds, name)) return *kind;
+  const std::vector<std::string> names = names_of(kinds);
+  throw Error("{}.kind = '{}' is not one of {}; did you mean {}? ({}:{})", what, name, joined(names, ", "),
+              nearest_word(name, names), file.string(), table.get("kind")->source().begin.line);
 }
 
 void read_mesh(const toml::table& toml, const fs::path& file, Scene& scene) {
   const Table table(toml, file, "mesh", {"file", "scale", "rotate_degrees", "translate", "casts", "receives", "albedo"});
-  const Placement placement{.scale = table.scale("scale"),
-                            .rotate_degrees = table.vector("rotate_degrees", glm::dvec3(0)),
-                            .translate = table.vector("translate", glm::dvec3(0))};
+  const glm::dvec3 zero(0);
+  const Placement placement{table.scale("scale"), table.vector("rotate_degrees", zero), table.vector("translate", zero)};
   const bool casts = table.flag("casts", true), receives = table.flag("receives", true);
   const glm::vec3 albedo = table.albedo();
   const fs::path path = described_file(table.text("file"), file);
@@ -143,36 +142,27 @@ Plane read_plane(const Table& table) {
   return {table.vector("center"), 0.5 * size.x * (c * u + s * v), 0.5 * size.y * (c * v - s * u)};
 }
 
-Shape read_geometry(const std::string& kind, const toml::table& toml, const fs::path& file) {
-  const auto open = [&](std::initializer_list<std::string_view> own) {
-    return Table(toml, file, kind, own, {"kind", "segments", "casts", "receives", "albedo"});
-  };
-  if (kind == "sphere") {
-    const Table table = open({"center", "radius"});
-    return Sphere{table.vector("center"), table.positive("radius")};
-  }
-  if (kind == "cone") {
-    const Table table = open({"base", "axis", "radius", "height"});
+Shape read_geometry(const std::string& kind, const Table& table) {
+  if (kind == "sphere") return Sphere{table.vector("center"), table.positive("radius")};
+  if (kind == "cone")
     return Cone{table.vector("base"), table.direction("axis"), table.positive("radius"), table.positive("height")};
-  }
-  if (kind == "disc") {
-    const Table table = open({"center", "normal", "radius"});
-    return Disc{table.vector("center"), table.direction("normal"), table.positive("radius")};
-  }
-  if (kind == "triangle") {
-    const std::vector<glm::dvec3> p = open({"points"}).vectors("points", 3, 3);
-    return Triangle{{p[0], p[1], p[2]}};
-  }
-  if (kind == "plane") return read_plane(open({"center", "normal", "size", "rotate_degrees"}));
-  const Table table = open({"min", "max"});
-  return Box{table.vector("min"), table.vector("max")};
+  if (kind == "disc") return Disc{table.vector("center"), table.direction("normal"), table.positive("radius")};
+  if (kind == "plane") return read_plane(table);
+  if (kind == "box") return Box{table.vector("min"), table.vector("max")};
+  const std::vector<glm::dvec3> p = table.vectors("points", 3, 3);
+  return Triangle{{p[0], p[1], p[2]}};
 }
 
 void read_shape(const toml::table& toml, const fs::path& file, Scene& scene) {
-  static const std::vector<std::string> kinds = {"sphere", "cone", "disc", "triangle", "plane", "box"};
-  const std::string kind = kind_of(toml, file, "shape", kinds);
-  const Shape shape = read_geometry(kind, toml, file);
-  const Table table(toml, file, kind);
+  static const std::vector<Kind> kinds = {{"sphere", {"center", "radius"}},
+                                          {"cone", {"base", "axis", "radius", "height"}},
+                                          {"disc", {"center", "normal", "radius"}},
+                                          {"triangle", {"points"}},
+                                          {"plane", {"center", "normal", "size", "rotate_degrees"}},
+                                          {"box", {"min", "max"}}};
+  const auto& [kind, keys] = kind_of(toml, file, "shape", kinds);
+  const Table table(toml, file, kind, keys, {"kind", "segments", "casts", "receives", "albedo"});
+  const Shape shape = read_geometry(kind, table);
   check(shape, fmt::format("{} ({})", kind, table.where()));
   Mesh mesh = tessellate(shape, table.integer("segments", 64, 3, 4096), fmt::format("{}_{}", kind, scene.meshes.size()));
   mesh.casts = table.flag("casts", true);
@@ -181,10 +171,19 @@ void read_shape(const toml::table& toml, const fs::path& file, Scene& scene) {
   scene.meshes.push_back(std::move(mesh));
 }
 
-Emits read_emits(const Table& table) { return table.flag("one_sided", false) ? Emits::in_front : Emits::on_both_sides; }
+/// The light turned by an angle about the vertical line through a point, counter-clockwise seen from above. In double, rounded
+/// once.
+Light turned(Light light, const glm::dvec3& about, double radians) {
+  const double c = std::cos(radians), s = std::sin(radians);
+  const auto turned = [&](const glm::dvec3& v) { return glm::dvec3(c * v.x + s * v.z, v.y, c * v.z - s * v.x); };
+  const auto place = [&](const char*, glm::vec3& p) { p = glm::vec3(about + turned(glm::dvec3(p) - about)); };
+  const auto axis = [&](const char*, glm::vec3& v) { v = glm::vec3(turned(v)); };
+  const auto length = [](const char*, float&) {};
+  std::visit([&](auto& kind) { for_each_part(kind, place, axis, axis, length); }, light.kind);
+  return light;
+}
 
-/// The light, or as many of it as `copies` says, NAME_1 and on, each turned a step farther about the vertical line through
-/// `about`.
+/// Adds the light, or `copies` of it, named NAME_1 and on, each turned a step farther about the vertical line through `about`.
 void add_copies(const Light& light, const Table& table, Scene& scene) {
   if (!table.has("copies")) {
     if (table.has("about")) table.refuse("about", "a point", "beside copies: one light is not turned");
@@ -196,41 +195,37 @@ void add_copies(const Light& light, const Table& table, Scene& scene) {
   for (int k = 0; k < count; ++k) {
     Light copy = turned(light, about, 2 * std::numbers::pi * k / count);
     copy.name = fmt::format("{}_{}", light.name, k + 1);
-    if (std::ranges::find(scene.lights, copy.name, &Light::name) != scene.lights.end())
+    if (find_named(scene.lights, copy.name))
       table.refuse("name", '\'' + light.name + '\'', "unique with its copies: there is a light " + copy.name);
     check(copy, table.where());
     scene.lights.push_back(std::move(copy));
   }
 }
 
+LightKind read_kind(const std::string& kind, const Table& table) {
+  if (kind == "point") return PointLight{table.vector("position")};
+  if (kind == "directional") return DirectionalLight{table.direction("direction")};
+  if (kind == "spot")
+    return SpotLight{table.vector("position"), table.direction("direction"),
+                     static_cast<float>(table.number("inner_degrees", SpotLight{}.inner_degrees)),
+                     static_cast<float>(table.number("outer_degrees", SpotLight{}.outer_degrees))};
+  if (kind == "sphere") return SphereLight{table.vector("center"), table.positive("radius")};
+  const auto emits = [&] { return table.flag("one_sided", false) ? Emits::in_front : Emits::on_both_sides; };
+  if (kind == "disc") return DiscLight{table.vector("center"), table.direction("normal"), table.positive("radius"), emits()};
+  return RectLight{table.vector("center"), table.length_and_direction("half_u"), table.length_and_direction("half_v"), emits()};
+}
+
 void read_light(const toml::table& toml, const fs::path& file, Scene& scene) {
-  static const std::vector<std::string> kinds = {"point", "directional", "spot", "rect", "disc", "sphere"};
-  const std::string kind = kind_of(toml, file, "light", kinds);
-  const auto open = [&](std::initializer_list<std::string_view> own) {
-    return Table(toml, file, kind + " light", own, {"name", "kind", "intensity", "copies", "about"});
-  };
+  static const std::vector<Kind> kinds = {{"point", {"position"}},
+                                          {"directional", {"direction"}},
+                                          {"spot", {"position", "direction", "inner_degrees", "outer_degrees"}},
+                                          {"rect", {"center", "half_u", "half_v", "one_sided"}},
+                                          {"disc", {"center", "normal", "radius", "one_sided"}},
+                                          {"sphere", {"center", "radius"}}};
+  const auto& [kind, keys] = kind_of(toml, file, "light", kinds);
+  const Table table(toml, file, kind + " light", keys, {"name", "kind", "intensity", "copies", "about"});
   Light light;
-  if (kind == "point") {
-    light.kind = PointLight{open({"position"}).vector("position")};
-  } else if (kind == "directional") {
-    light.kind = DirectionalLight{open({"direction"}).direction("direction")};
-  } else if (kind == "spot") {
-    const Table table = open({"position", "direction", "inner_degrees", "outer_degrees"});
-    light.kind = SpotLight{table.vector("position"), table.direction("direction"),
-                           static_cast<float>(table.number("inner_degrees", SpotLight{}.inner_degrees)),
-                           static_cast<float>(table.number("outer_degrees", SpotLight{}.outer_degrees))};
-  } else if (kind == "rect") {
-    const Table table = open({"center", "half_u", "half_v", "one_sided"});
-    light.kind = RectLight{table.vector("center"), table.length_and_direction("half_u"), table.length_and_direction("half_v"),
-                           read_emits(table)};
-  } else if (kind == "disc") {
-    const Table table = open({"center", "normal", "radius", "one_sided"});
-    light.kind = DiscLight{table.vector("center"), table.direction("normal"), table.positive("radius"), read_emits(table)};
-  } else {
-    const Table table = open({"center", "radius"});
-    light.kind = SphereLight{table.vector("center"), table.positive("radius")};
-  }
-  const Table table(toml, file, kind + " light");
+  light.kind = read_kind(kind, table);
   light.name = table.name("name", scene.lights);
   light.intensity = table.has("intensity") ? table.positive("intensity") : light.intensity;
   check(light, table.where());
@@ -250,31 +245,25 @@ void read_view(const toml::table& toml, const fs::path& file, Scene& scene) {
   scene.views.push_back(view);
 }
 
-/// Named after what it moves unless it says otherwise.
+/// Without a name it is called `camera` or `light`, after what it moves.
 void read_path(const toml::table& toml, const fs::path& file, Scene& scene) {
   const Table table(toml, file, "path", {"name", "moves", "positions", "frames"});
   const std::string moves = table.text("moves");
   if (moves != "camera" && moves != "light") table.refuse("moves", '\'' + moves + '\'', "camera or light");
-  Path path{.name = table.name("name", scene.paths, moves),
-            .moves = moves == "camera" ? Path::Moves::camera : Path::Moves::light,
-            .positions = {}};
+  const Path::Moves what = moves == "camera" ? Path::Moves::camera : Path::Moves::light;
+  Path path{table.name("name", scene.paths, moves), what, {}};
   for (const glm::dvec3& position : table.vectors("positions", 0, 2)) path.positions.emplace_back(position);
   if (!table.has("frames")) table.refuse("frames", "(nothing)", "a whole number of 2 .. 100000");
   path.frame_count = table.integer("frames", 0, 2, 100'000);
   scene.paths.push_back(std::move(path));
 }
 
-/// What the file has of lights, views and paths stands in place of the base's; its meshes will be added to the base's.
+/// The file's lights, views and paths replace those of the base; its meshes are added to the base's later.
 void start_from(Scene base, Scene& scene) {
   if (!scene.lights.empty()) base.lights = std::move(scene.lights);
   if (!scene.views.empty()) base.views = std::move(scene.views);
   if (!scene.paths.empty()) base.paths = std::move(scene.paths);
   scene = std::move(base);
-}
-
-using Reader = void (*)(const toml::table&, const fs::path&, Scene&);
-void read_all(const Table& top, std::string_view key, Reader read, const fs::path& file, Scene& scene) {
-  for (const toml::table* table : top.tables(key)) read(*table, file, scene);
 }
 
 }  // namespace
@@ -297,9 +286,12 @@ Scene read_scene_toml(const fs::path& file, const Descriptions& above) {
   const toml::table document = read_toml(file.string() + ":", file);
   const Table top(document, file, "scene", {"name", "scene", "ambient", "mesh", "shape", "light", "view", "path"});
   Scene scene;
-  read_all(top, "light", read_light, file, scene);
-  read_all(top, "view", read_view, file, scene);
-  read_all(top, "path", read_path, file, scene);
+  const auto read_all = [&](std::string_view key, void (*read)(const toml::table&, const fs::path&, Scene&)) {
+    for (const toml::table* table : top.tables(key)) read(*table, file, scene);
+  };
+  read_all("light", read_light);
+  read_all("view", read_view);
+  read_all("path", read_path);
   if (top.has("scene")) {
     const std::string base = top.text("scene");
     if (base.empty()) top.refuse("scene", "''", "the id or the file of a scene");
@@ -309,8 +301,8 @@ Scene read_scene_toml(const fs::path& file, const Descriptions& above) {
   const double ambient = top.number("ambient", scene.ambient);
   if (ambient < 0 || ambient > 1) top.refuse("ambient", ambient, "within 0 .. 1");
   scene.ambient = static_cast<float>(ambient);
-  read_all(top, "shape", read_shape, file, scene);
-  read_all(top, "mesh", read_mesh, file, scene);
+  read_all("shape", read_shape);
+  read_all("mesh", read_mesh);
   return scene;
 }
 

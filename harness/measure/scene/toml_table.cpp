@@ -22,7 +22,7 @@ std::size_t line_of_deep_key(std::string_view text) {
         line += text[i] == '\n';
       }
       if (i < text.size() && text[i] == '\n')
-        --i;  // a text without an end: the parser will say so
+        --i;  // a text without an end: the parser reports it
       else
         i += end.size() - 1;
     } else if (c == '#') {

@@ -8,29 +8,29 @@
 #include <cmath>
 #include <filesystem>
 #include <glm/glm.hpp>
-#include <initializer_list>
 #include <string>
 #include <vector>
 
 #include "measure/scene/base_scene.h"
 #include "measure/scene/load.h"
+#include "measure/scene/names.h"
 
 namespace gnomon {
 
-/// A TOML file, whose size and the depth of whose keys are bounded before it is parsed. Throws Error, which names the line of
-/// what is no TOML; `what` is the file as a complaint names it.
+/// A TOML file, whose size and the depth of whose keys are bounded before it is parsed. Throws Error with the line of
+/// invalid TOML; `what` begins errors about the file itself.
 toml::table read_toml(const std::string& what, const std::filesystem::path& file);
 
-/// One TOML table whose keys are all known: anything else is refused when it is opened.
+/// A TOML table. Its constructor refuses unknown keys.
 class Table {
  public:
   Table(const toml::table& table, const std::filesystem::path& file, std::string what,
-        std::initializer_list<std::string_view> keys, std::initializer_list<std::string_view> more_keys = {})
-      : table_(table), file_(file), what_(std::move(what)) {
+        const std::vector<std::string_view>& keys, const std::vector<std::string_view>& more_keys = {})
+      : Table(table, file, std::move(what)) {
     std::vector<std::string> known(keys.begin(), keys.end());
     known.insert(known.end(), more_keys.begin(), more_keys.end());
     for (const auto& [key, value] : table)
-      if (std::find(known.begin(), known.end(), key.str()) == known.end())
+      if (std::ranges::find(known, key.str()) == known.end())
         throw Error("{} has no key '{}'; did you mean '{}'? It has: {} ({}:{})", what_, key.str(),
                     nearest_word(key.str(), known), joined(known, ", "), file.string(), key.source().begin.line);
   }
@@ -50,25 +50,15 @@ class Table {
     throw Error("{}.{} = {} is not {} ({})", what_, key, value, allowed, where(key));
   }
 
-  std::string text(std::string_view key) const {
-    const auto value = need(key).value_exact<std::string>();
-    if (!value) refuse(key, kind(key), "a text");
-    return *value;
-  }
-  bool flag(std::string_view key, bool fallback) const {
-    if (!has(key)) return fallback;
-    const auto value = need(key).value_exact<bool>();
-    if (!value) refuse(key, kind(key), "true or false");
-    return *value;
-  }
+  std::string text(std::string_view key) const { return exact<std::string>(key, "a text"); }
+  bool flag(std::string_view key, bool fallback) const { return has(key) ? exact<bool>(key, "true or false") : fallback; }
   double number(std::string_view key) const { return number_of(key, need(key)); }
   double number(std::string_view key, double fallback) const { return has(key) ? number(key) : fallback; }
   int integer(std::string_view key, int fallback, int least, int most) const {
     if (!has(key)) return fallback;
-    const auto value = need(key).value_exact<std::int64_t>();
-    if (!value) refuse(key, kind(key), fmt::format("a whole number of {} .. {}", least, most));
-    if (*value < least || *value > most) refuse(key, *value, fmt::format("within {} .. {}", least, most));
-    return static_cast<int>(*value);
+    const auto value = exact<std::int64_t>(key, fmt::format("a whole number of {} .. {}", least, most));
+    if (value < least || value > most) refuse(key, value, fmt::format("within {} .. {}", least, most));
+    return static_cast<int>(value);
   }
   /// Above 0 as a float32 too.
   float positive(std::string_view key) const {
@@ -116,8 +106,7 @@ class Table {
   std::string name(std::string_view key, const std::vector<Named>& others, const std::string& fallback = Named{}.name) const {
     const std::string value = has(key) ? text(key) : fallback;
     if (!is_plain_name(value)) refuse(key, '\'' + value + '\'', "a name of a..z, 0..9 and _, at most 100 of them");
-    for (const Named& other : others)
-      if (other.name == value) refuse(key, '\'' + value + '\'', "unique");
+    if (find_named(others, value)) refuse(key, '\'' + value + '\'', "unique");
     return value;
   }
   glm::vec3 albedo() const {
@@ -147,22 +136,19 @@ class Table {
     if (!node) throw Error("{} lacks the key '{}' ({})", what_, key, where());
     return *node;
   }
+  template <class Value>
+  Value exact(std::string_view key, std::string_view allowed) const {
+    const auto value = need(key).template value_exact<Value>();
+    if (!value) refuse(key, kind(key), allowed);
+    return *value;
+  }
   std::string kind(std::string_view key) const {
-    switch (need(key).type()) {
-      case toml::node_type::string:
-        return "a text";
-      case toml::node_type::array:
-        return fmt::format("an array of {}", need(key).as_array()->size());
-      case toml::node_type::table:
-        return "a table";
-      case toml::node_type::boolean:
-        return "a truth value";
-      case toml::node_type::integer:
-      case toml::node_type::floating_point:
-        return "a number";
-      default:
-        return "a date";
-    }
+    const toml::node& node = need(key);
+    if (node.is_array()) return fmt::format("an array of {}", node.as_array()->size());
+    if (node.is_string()) return "a text";
+    if (node.is_table()) return "a table";
+    if (node.is_boolean()) return "a truth value";
+    return node.is_number() ? "a number" : "a date";
   }
   double number_of(std::string_view key, const toml::node& node) const {
     if (!node.is_number()) refuse(key, &node == &need(key) ? kind(key) : "a list with something else", "a number or numbers");

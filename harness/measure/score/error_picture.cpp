@@ -1,7 +1,6 @@
 #include "measure/score/error_picture.h"
 
 #include <algorithm>
-#include <numeric>
 
 #include "measure/cause/own_causes.h"
 #include "measure/picture/legend.h"
@@ -9,16 +8,14 @@
 namespace gnomon {
 
 std::vector<ErrorKind> error_kinds(bool with_causes, bool is_soft, std::span<const CauseInfo> own) {
-  std::vector<ErrorKind> kinds;
-  if (!with_causes) {
-    const auto color = [](Cause cause) { return cause_infos()[static_cast<std::size_t>(cause) - 1].color; };
+  const auto color = [](Cause cause) { return cause_infos()[static_cast<std::size_t>(cause) - 1].color; };
+  if (!with_causes)
     return {{color(Cause::acne), is_soft ? "too dark" : "false dark"},
             {color(Cause::peter_panning), is_soft ? "too light" : "false lit"}};
-  }
+  std::vector<ErrorKind> kinds;
   for (const CauseInfo& info : with_common(own)) {
-    std::string label(info.name);
-    std::ranges::replace(label, '_', ' ');
-    kinds.push_back({info.color, label});
+    kinds.push_back({info.color, std::string(info.name)});
+    std::ranges::replace(kinds.back().label, '_', ' ');
   }
   return kinds;
 }
@@ -28,12 +25,12 @@ namespace {
 /// What the pixels of T add up to.
 struct Sums {
   double tested = 0, error = 0, floor = 0;  ///< pixels, |mask - reference|, and what the reference's own noise makes of that
-  std::vector<std::size_t> marked;          ///< pixels by kind
+  std::vector<double> marked;               ///< pixels by kind
   std::vector<double> errors;               ///< of |mask - reference| by kind, those below the first step too
 };
 
 Sums add_up(const Evidence& e, std::span<const ErrorMark> marks, std::size_t kinds) {
-  Sums sums{.marked = std::vector<std::size_t>(kinds, 0), .errors = std::vector<double>(kinds, 0)};
+  Sums sums{.marked = std::vector<double>(kinds), .errors = std::vector<double>(kinds)};
   for (std::size_t i = 0; i < marks.size(); ++i) {
     if (e.classes[i] != PixelClass::T) continue;
     const double error = std::abs(static_cast<double>(e.mask[i]) - e.reference[i]);
@@ -49,10 +46,8 @@ Sums add_up(const Evidence& e, std::span<const ErrorMark> marks, std::size_t kin
 /// The share of each kind in T.
 void add_wrong(PictureLegend& legend, std::span<const ErrorKind> kinds, const Sums& sums) {
   for (std::size_t k = 0; k < kinds.size(); ++k)
-    if (sums.marked[k] > 0)
-      legend.add(kinds[k].color, kinds[k].label + " " + percent(static_cast<double>(sums.marked[k]) / sums.tested));
-  if (std::ranges::all_of(sums.marked, [](std::size_t count) { return count == 0; }))
-    legend.add(std::nullopt, "no tested pixel is wrong");
+    if (sums.marked[k] > 0) legend.add(kinds[k].color, kinds[k].label + " " + percent(sums.marked[k] / sums.tested));
+  if (std::ranges::max(sums.marked) == 0) legend.add(std::nullopt, "no tested pixel is wrong");
 }
 
 /// The error and what it is made of, then the scale of the colors.
@@ -63,14 +58,13 @@ void add_soft(PictureLegend& legend, std::span<const ErrorKind> kinds, const Sum
   for (std::size_t k = 0; k < kinds.size(); ++k)
     if (sums.errors[k] > 0) legend.add(kinds[k].color, kinds[k].label + " " + percent(sums.errors[k] / sums.error) + " of it");
   constexpr std::uint8_t gray = 128;
-  const ErrorKind* const strongest = &*std::ranges::max_element(
-      kinds, {}, [&](const ErrorKind& kind) { return sums.errors[static_cast<std::size_t>(&kind - kinds.data())]; });
-  if (std::ranges::all_of(sums.marked, [](std::size_t count) { return count == 0; }))
+  if (std::ranges::max(sums.marked) == 0)
     return legend.add(std::nullopt, "no tested pixel is off by " + percent(error_steps.front().least));
+  const auto strongest = static_cast<std::size_t>(std::ranges::max_element(sums.errors) - sums.errors.begin());
   for (const ErrorStep& step : error_steps)
-    legend.add(marked(gray, strongest->color, step.weight), (&step == &error_steps.front() ? "off by " : "") +
-                                                                fmt::format("{:.0f} %", 100 * step.least) +
-                                                                (&step == &error_steps.back() ? " or more" : ""));
+    legend.add(marked(gray, kinds[strongest].color, step.weight),
+               fmt::format("{}{:.0f} %{}", &step == &error_steps.front() ? "off by " : "", 100 * step.least,
+                           &step == &error_steps.back() ? " or more" : ""));
 }
 
 }  // namespace

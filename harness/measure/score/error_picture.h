@@ -1,10 +1,4 @@
 #pragma once
-#include <array>
-#include <cmath>
-#include <span>
-#include <string>
-#include <vector>
-
 #include "measure/picture/picture.h"
 #include "measure/picture/shading.h"
 #include "measure/score/metrics.h"
@@ -24,8 +18,8 @@ inline std::vector<ErrorKind> error_kinds(const Evidence& evidence, bool is_soft
   return error_kinds(!evidence.causes.empty(), is_soft, evidence.own_causes);
 }
 
-/// Errors under a light with area are told apart by how strong their color is: from `least` on by this weight of the kind's
-/// color. The same in every picture, so that pictures can be compared.
+/// The strength of a color shows the size of an error under a light with area: from `least` on the kind's color has this
+/// weight. The same in every picture, so that pictures can be compared.
 struct ErrorStep {
   double least, weight;
 };
@@ -51,17 +45,11 @@ inline int kind_of(const Evidence& evidence, std::size_t i) {
 inline ErrorMark error_mark(const Evidence& evidence, std::size_t i, bool is_soft) {
   if (evidence.classes[i] != PixelClass::T) return {};
   const float difference = evidence.mask[i] - evidence.reference[i];
-  ErrorMark mark;
-  if (is_soft) {
-    mark.weight = 0;
+  double weight = is_soft ? 0 : evidence.is_wrong(i);
+  if (is_soft)
     for (const ErrorStep& step : error_steps)
-      if (std::abs(difference) >= step.least) mark.weight = step.weight;
-    if (mark.weight == 0) return {};
-  } else if (!evidence.is_wrong(i)) {
-    return {};
-  }
-  mark.kind = kind_of(evidence, i);
-  return mark;
+      if (std::abs(difference) >= step.least) weight = step.weight;
+  return weight > 0 ? ErrorMark{kind_of(evidence, i), weight} : ErrorMark{};
 }
 
 /// The color of a mark over a gray.
@@ -74,8 +62,8 @@ inline Color marked(std::uint8_t gray, const Color& color, double weight) {
 
 /// The scene in dim gray, over it wrong tested pixels in the color of their cause (of false dark and false lit where the
 /// evidence has no causes), and below it a legend with the share of each in T. Under a light with area every tested pixel that
-/// is off, as strongly as it is, and the legend says the error, its floor, and what the colors stand for. The
-/// evidence has scene and G-buffer, and its light or the light received of several.
+/// is off, as strongly as it is, and the legend says the error, its floor, and what the colors mean. The evidence has scene and
+/// G-buffer, and its light or the light received of several.
 Picture draw_errors(const Evidence& evidence, const std::string& title);
 
 }  // namespace gnomon

@@ -1,11 +1,11 @@
 // The list of metrics, and all that need no file of their own.
 #include "measure/score/metrics.h"
 
+#include <gnomon/kit/add_up.h>
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_reduce.h>
 
 #include <algorithm>
-#include <array>
 
 #include "measure/frame/boundary.h"
 
@@ -13,10 +13,7 @@ namespace gnomon {
 
 namespace {
 
-std::optional<double> share(double part, double whole) {
-  if (whole == 0) return std::nullopt;
-  return part / whole;
-}
+std::optional<double> share(double part, double whole) { return whole == 0 ? std::nullopt : std::optional(part / whole); }
 
 /// Ends of the bins of distance in pixels to the nearest pixel beside the reference's shadow boundary, which is 0 on both its
 /// sides. A bin holds the values above the one before it, up to its end.
@@ -42,10 +39,7 @@ std::vector<BinCount> count_bins(const Evidence& e, const double (&ends)[bin_cou
     return counts;
   };
   const auto add = [](Counts a, const Counts& b) {
-    for (std::size_t k = 0; k < bin_count; ++k) {
-      a[k].tested += b[k].tested;
-      a[k].wrong += b[k].wrong;
-    }
+    for (std::size_t k = 0; k < bin_count; ++k) add_up(a[k], b[k], &BinCount::tested, &BinCount::wrong);
     return a;
   };
   const Counts counts = tbb::parallel_reduce(tbb::blocked_range<std::size_t>(0, e.mask.size(), 16384), Counts{}, count, add);
@@ -129,15 +123,13 @@ constexpr std::string_view floor_sentence =
 /// A floor is itself measured: that of a right mask may lie a little above.
 constexpr double floor_margin = 1.1;
 
-template <std::optional<double> Softness::*metric, int best>
-std::optional<double> softness_floor(const Scoring& s) {
-  const std::optional<double> of_half = s.softness_of_half().*metric;
+std::optional<double> floor_of(std::optional<double> of_half, double best) {
   return of_half ? std::optional(floor_margin * std::abs(*of_half - best)) : std::nullopt;
 }
 
-std::optional<double> error_floor(const Scoring& s) {
-  const std::optional<double> of_half = mean_over_tested(s, s.evidence().reference_half, s.evidence().reference);
-  return of_half ? std::optional(floor_margin * *of_half) : std::nullopt;
+template <std::optional<double> Softness::*metric, int best>
+std::optional<double> softness_floor(const Scoring& s) {
+  return floor_of(s.softness_of_half().*metric, best);
 }
 
 constexpr MetricInfo metric_rows[] = {
@@ -159,7 +151,7 @@ constexpr MetricInfo metric_rows[] = {
     {"error_floor", "", "",
      "Error that the reference's noise alone makes under a light with area: the error of half of its rays against all of "
      "them. A smaller error cannot be told from 0.",
-     error_floor},
+     [](const Scoring& s) { return floor_of(mean_over_tested(s, s.evidence().reference_half, s.evidence().reference), 0); }},
     {"other_error_mean", "", "lower",
      "Mean over T of the absolute difference from the other share of a light with area: from its share of irradiance for "
      "techniques that estimate the share of area, and vice versa.",
@@ -252,7 +244,7 @@ constexpr MetricInfo metric_rows[] = {
      [](const Scoring& s) { return s.likeness().flip; }},
 };
 
-ErrorCounts count(const Evidence& e) {
+ErrorCounts count_errors(const Evidence& e) {
   ErrorCounts t;
   for (std::size_t i = 0; i < e.mask.size(); ++i) {
     if (!e.faces_light(i)) continue;
@@ -269,10 +261,35 @@ ErrorCounts count(const Evidence& e) {
   return t;
 }
 
-/// What `make` answers, made at the first call.
-template <class Value, class Make>
-const Value& once(std::optional<Value>& value, const Make& make) {
-  if (!value) value = make();
+std::vector<BinCount> count_angle_bins(const Evidence& e) {
+  if (!e.gbuffer || !e.light) return {};
+  const glm::dvec4 light = homogeneous_of_center(*e.light);
+  return count_bins(e, angle_bin_ends, [&](std::size_t i) {
+    const glm::dvec3 to = to_light(light, e.gbuffer->position(i));
+    return glm::dot(glm::dvec3(e.gbuffer->normal(i)), to) / glm::length(to);
+  });
+}
+
+std::vector<BinCount> count_edge_bins(const Scoring& scoring) {
+  const std::vector<float>& distance = scoring.edge_distance();
+  return count_bins(scoring.evidence(), edge_bin_ends, [&](std::size_t i) { return distance[i]; });
+}
+
+std::vector<float> measure_edge_distance(const Evidence& e) {
+  return distance_transform(shadow_boundary(e.reference, e.classes, e.width, e.height), e.width, e.height);
+}
+
+Softness measure_softness_of_half(const Evidence& e) {
+  if (e.reference_half.empty()) return {};
+  Evidence half = e;
+  half.mask = e.reference_half;
+  return measure_softness(half);
+}
+
+/// What `make` returns for these arguments, made at the first call.
+template <class Value, class Make, class Of>
+const Value& once(std::optional<Value>& value, const Make& make, const Of& of) {
+  if (!value) value = make(of);
   return *value;
 }
 
@@ -280,58 +297,14 @@ const Value& once(std::optional<Value>& value, const Make& make) {
 
 std::span<const MetricInfo> metric_infos() { return metric_rows; }
 
-const ErrorCounts& Scoring::error_counts() const {
-  return once(error_counts_, [&] { return count(evidence_); });
-}
-
-const Displacement& Scoring::displacement() const {
-  return once(displacement_, [&] { return measure_displacement(evidence_); });
-}
-
-const std::vector<float>& Scoring::edge_distance() const {
-  const Evidence& e = evidence_;
-  return once(edge_distance_, [&] {
-    return distance_transform(shadow_boundary(e.reference, e.classes, e.width, e.height), e.width, e.height);
-  });
-}
-
-const std::vector<BinCount>& Scoring::edge_bins() const {
-  return once(edge_bins_, [&] {
-    return count_bins(evidence_, edge_bin_ends, [&distance = edge_distance()](std::size_t i) { return distance[i]; });
-  });
-}
-
-const std::vector<BinCount>& Scoring::angle_bins() const {
-  return once(angle_bins_, [&]() -> std::vector<BinCount> {
-    const Evidence& e = evidence_;
-    if (!e.gbuffer || !e.light) return {};
-    const glm::dvec4 light = homogeneous_of_center(*e.light);
-    return count_bins(e, angle_bin_ends, [&](std::size_t i) {
-      const glm::dvec3 to = to_light(light, e.gbuffer->position(i));
-      return glm::dot(glm::dvec3(e.gbuffer->normal(i)), to) / glm::length(to);
-    });
-  });
-}
-
-const Softness& Scoring::softness() const {
-  return once(softness_, [&] { return measure_softness(evidence_); });
-}
-
-const Softness& Scoring::softness_of_half() const {
-  return once(softness_of_half_, [&]() -> Softness {
-    if (evidence_.reference_half.empty()) return {};
-    Evidence half = evidence_;
-    half.mask = evidence_.reference_half;
-    return measure_softness(half);
-  });
-}
-
-const LightError& Scoring::light_error() const {
-  return once(light_error_, [&] { return measure_light_error(*this); });
-}
-
-const Likeness& Scoring::likeness() const {
-  return once(likeness_, [&] { return measure_likeness(*this); });
-}
+const ErrorCounts& Scoring::error_counts() const { return once(error_counts_, count_errors, evidence_); }
+const Displacement& Scoring::displacement() const { return once(displacement_, measure_displacement, evidence_); }
+const std::vector<float>& Scoring::edge_distance() const { return once(edge_distance_, measure_edge_distance, evidence_); }
+const std::vector<BinCount>& Scoring::edge_bins() const { return once(edge_bins_, count_edge_bins, *this); }
+const std::vector<BinCount>& Scoring::angle_bins() const { return once(angle_bins_, count_angle_bins, evidence_); }
+const Softness& Scoring::softness() const { return once(softness_, measure_softness, evidence_); }
+const Softness& Scoring::softness_of_half() const { return once(softness_of_half_, measure_softness_of_half, evidence_); }
+const LightError& Scoring::light_error() const { return once(light_error_, measure_light_error, *this); }
+const Likeness& Scoring::likeness() const { return once(likeness_, measure_likeness, *this); }
 
 }  // namespace gnomon

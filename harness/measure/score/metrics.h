@@ -2,17 +2,12 @@
 #include <gnomon/gbuffer.h>
 
 #include <cmath>
-#include <optional>
-#include <span>
-#include <string_view>
-#include <vector>
 
-#include "measure/answer_kind.h"
 #include "measure/cause/causes.h"
 
 namespace gnomon {
 
-/// Everything that scoring one mask may look at. Arrays are width * height, row-major.
+/// Everything that scoring one mask may read. Arrays are width * height, row-major.
 struct Evidence {
   int width = 0, height = 0;
   std::span<const PixelClass> classes;
@@ -33,7 +28,7 @@ struct Evidence {
   /// reference are shares of it, and `light` is null.
   std::span<const double> received = {};
   /// All light toward the eye, three floats a pixel, as the technique and as the reference have it, with the reference's
-  /// standard errors; empty where it was not asked for, and of a technique that has no such picture.
+  /// standard errors; empty where it was not requested, and of a technique that has no such picture.
   std::span<const float> global_picture = {}, global_reference = {}, global_error = {};
   std::span<const CauseInfo> own_causes = {};  ///< that the technique has beside the common ones
   AnswerKind kind = AnswerKind::binary;        ///< of the reference: what the mask is compared with
@@ -59,7 +54,7 @@ struct BinCount {
   std::size_t tested = 0, wrong = 0;
 };
 
-/// What is asked where the reference has penumbra: 0.02 < V < 0.98 at a pixel of T. The band is all within 2 px of such pixels.
+/// The metrics where the reference has penumbra: 0.02 < V < 0.98 at a pixel of T. The band is all within 2 px of such pixels.
 struct Softness {
   std::optional<double> band_mean, band_rms;        ///< of |mask - reference| over T in the band
   std::optional<double> outside_mean, outside_rms;  ///< over the rest of T
@@ -82,7 +77,7 @@ struct Likeness {
   std::optional<double> ssim, flip;
 };
 
-/// What several metrics share, each made at the first question. The evidence must outlive it. Not for two threads at once.
+/// What several metrics share, each made at its first use. The evidence must outlive it. Not for two threads at once.
 class Scoring {
  public:
   explicit Scoring(const Evidence& evidence) : evidence_(evidence) {}

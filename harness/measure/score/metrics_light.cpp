@@ -1,8 +1,6 @@
 // What is wrong with the light that reaches surfaces, and with the picture that a viewer sees of it.
 #include <tbb/parallel_invoke.h>
 
-#include <cmath>
-
 #include "measure/picture/picture.h"
 #include "measure/picture/shading.h"
 #include "measure/score/metrics.h"

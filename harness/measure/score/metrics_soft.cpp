@@ -2,14 +2,9 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
-#include <array>
-#include <cmath>
-#include <functional>
 #include <numeric>
 
 #include "measure/frame/boundary.h"
-#include "measure/frame/pixel_windows.h"
-#include "measure/score/metrics.h"
 #include "measure/score/penumbra_profiles.h"
 #include "measure/statistics/statistics.h"
 
@@ -95,8 +90,7 @@ std::optional<double> measure_noise(const Evidence& e, const PixelWindows& windo
     }
     return sums;
   });
-  if (count == 0) return std::nullopt;
-  return std::sqrt(squares / count);
+  return count > 0 ? std::optional(std::sqrt(squares / count)) : std::nullopt;
 }
 
 }  // namespace

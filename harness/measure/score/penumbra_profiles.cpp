@@ -2,10 +2,6 @@
 
 #include <tbb/parallel_for.h>
 
-#include <array>
-#include <cmath>
-#include <optional>
-
 namespace gnomon {
 
 namespace {

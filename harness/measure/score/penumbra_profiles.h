@@ -1,6 +1,4 @@
 #pragma once
-#include <vector>
-
 #include "measure/frame/pixel_windows.h"
 #include "measure/score/metrics.h"
 
@@ -10,9 +8,9 @@ namespace gnomon {
 /// from where both are dark (V <= 0.02) to where both are lit (V >= 0.98). All of it is tested and on one object.
 ///
 /// Widths are 6 times the integral of V (1 - V) over the line, which is the width of a ramp, and grows with it whatever the
-/// curve. The shift is the integral of V_ref - V: how far an edge of any width has moved. Neither looks at a slope or at where
-/// a number is crossed, so that noise hardly moves them: it takes 1 / n from a width of n random samples, and nothing from a
-/// shift.
+/// curve. The shift is the integral of V_ref - V: how far an edge of any width has moved. Neither uses a slope or the place
+/// where a number is crossed, so that noise hardly moves them: it takes 1 / n from a width of n random samples, and nothing
+/// from a shift.
 struct PenumbraProfile {
   std::size_t pixel;    ///< that shows where the line begins, at V_ref = 0.5
   double theirs, ours;  ///< widths in pixels, of the reference and of the technique

@@ -1,6 +1,4 @@
 #pragma once
-#include <optional>
-
 #include "measure/picture/picture.h"
 
 namespace gnomon {

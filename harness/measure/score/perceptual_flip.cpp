@@ -1,7 +1,6 @@
 // LDR-FLIP. Source: Andersson, Nilsson, Akenine-Moller, Oskarsson, Astrom, Fairchild 2020. Two paths meet in every pixel:
 // colors as seen through the contrast sensitivity of the eye, and edges and points of the lightness, which strengthen the
 // difference of the colors. All filters are products of one in x and one in y, or sums of such.
-#include <array>
 #include <bit>
 #include <glm/glm.hpp>
 
@@ -16,6 +15,13 @@ constexpr double pixels_per_degree = 67;
 constexpr double pi = 3.14159265358979323846;
 
 using Weights = std::vector<float>;
+
+/// Computed at the first use.
+template <class Table>
+const Table& table() {
+  static const Table made;
+  return made;
+}
 
 template <class Value>
 Weights tabulate(int radius, const Value& value) {
@@ -43,7 +49,7 @@ struct Sensitivity {
   }
 };
 
-/// What the filters look at, in pixels: all of them reach no further than `reach`.
+/// The weights of the filters, one for each pixel; none of them reaches further than `reach`.
 struct Filters {
   int reach = 0;
   Weights achromatic, red_green, blue_yellow[2];
@@ -78,10 +84,6 @@ struct Filters {
     reach = std::max(radius, feature_radius);
   }
 };
-const Filters& filters() {
-  static const Filters all;
-  return all;
-}
 
 /// Between linear sRGB and XYZ relative to the white of sRGB (D65), in which every coordinate of white is 1.
 struct Colors {
@@ -108,10 +110,6 @@ struct Colors {
     }
   }
 };
-const Colors& colors() {
-  static const Colors all;
-  return all;
-}
 
 /// Cube root of 0 .. 1 without a branch, so that it vectorizes: a third of the exponent, then Halley's method twice, which
 /// triples the digits each time. Error below 2.2e-7 of the root (tried on every 64th float of
@@ -151,8 +149,8 @@ struct Percept {
 };
 
 GNOMON_VECTORIZED Percept perceive(const Picture& picture, const Tile& tile) {
-  const Filters& filter = filters();
-  const Colors& color = colors();
+  const Filters& filter = table<Filters>();
+  const Colors& color = table<Colors>();
   const auto& xyz = color.to_xyz;
   const auto& rgb = color.to_rgb;
   const int reach = filter.reach, width = tile.width() + 2 * reach, height = tile.height() + 2 * reach;
@@ -212,7 +210,7 @@ constexpr float color_exponent = 0.7f;
 /// Differences of colors brought to 0 .. 1: below 0.4 of the largest difference, green against blue, they take 0 .. 0.95.
 float redistribute(float difference) {
   static const float largest = [] {
-    const auto& xyz = colors().to_xyz;
+    const auto& xyz = table<Colors>().to_xyz;
     return std::pow(hyab(hunt_lab(xyz[0][1], xyz[1][1], xyz[2][1]), hunt_lab(xyz[0][2], xyz[1][2], xyz[2][2])), color_exponent);
   }();
   const float knee = 0.4f * largest;
@@ -239,7 +237,7 @@ std::optional<double> flip(const Picture& reference, const Picture& test) {
   require_same_size(reference, test);
   if (reference.width < 1 || reference.height < 1) return std::nullopt;
   const double sum = sum_over_tiles({0, 0, reference.width, reference.height}, [&](const Tile& tile) {
-    return is_same(reference, test, tile, filters().reach) ? 0.0 : noticed(reference, test, tile);
+    return is_same(reference, test, tile, table<Filters>().reach) ? 0.0 : noticed(reference, test, tile);
   });
   return sum / (static_cast<double>(reference.width) * reference.height);
 }

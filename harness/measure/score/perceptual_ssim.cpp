@@ -1,7 +1,5 @@
 // SSIM. Source: Wang, Bovik, Sheikh, Simoncelli 2004, equations 13 to 17. In double: with values near 1, variances near 0 are
 // differences of nearly equal numbers.
-#include <gnomon/error.h>
-
 #include "measure/score/perceptual.h"
 #include "measure/score/perceptual_tiles.h"
 

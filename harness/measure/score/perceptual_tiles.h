@@ -6,7 +6,6 @@
 #include <cmath>
 #include <cstring>
 #include <numeric>
-#include <vector>
 
 #include "measure/picture/picture.h"
 
@@ -47,9 +46,8 @@ double sum_over_tiles(const Tile& area, const Sum& sum) {
 /// Numbers of a rectangle, row-major.
 template <class T>
 struct Layer {
-  int width = 0, height = 0;
+  int width, height;
   std::vector<T> values;
-  Layer() = default;
   Layer(int w, int h) : width(w), height(h), values(static_cast<std::size_t>(w) * h) {}
   T* row(int y) { return &values[static_cast<std::size_t>(y) * width]; }
   const T* row(int y) const { return &values[static_cast<std::size_t>(y) * width]; }

@@ -1,7 +1,5 @@
 #include "measure/score/score.h"
 
-#include <gnomon/error.h>
-
 #include <algorithm>
 #include <cassert>
 #include <cstring>

@@ -1,5 +1,4 @@
 #pragma once
-#include "measure/frame/frame.h"
 #include "measure/record/record.h"
 #include "measure/score/metrics.h"
 
@@ -12,17 +11,12 @@ struct Answer {
   std::vector<float> mask;
   std::vector<Cause> causes;                        ///< empty until they are looked for
   LightShareKind estimates = LightShareKind::area;  ///< what the mask is compared with under a light with area
-  std::vector<CauseInfo> own_causes = {};           ///< of the technique; what they look at outlives the answer
+  std::vector<CauseInfo> own_causes = {};           ///< of the technique; the texts they refer to outlive the answer
 
   /// Scene and light must outlive it, as this must.
-  Evidence evidence(const Scene& scene, const Light& light) const {
-    Evidence evidence = this->evidence();
-    evidence.scene = &scene;
-    evidence.light = &light;
-    return evidence;
-  }
-  /// What needs neither scene nor light.
-  Evidence evidence() const {
+  Evidence evidence(const Scene& scene, const Light& light) const { return evidence(&scene, &light); }
+  /// For what needs neither scene nor light.
+  Evidence evidence(const Scene* scene = nullptr, const Light* light = nullptr) const {
     const bool is_irradiance = estimates == LightShareKind::irradiance && !reference.irradiance.empty();
     return {.width = gbuffer.width,
             .height = gbuffer.height,
@@ -30,7 +24,9 @@ struct Answer {
             .reference = is_irradiance ? reference.irradiance : reference.mask,
             .mask = mask,
             .causes = causes,
+            .scene = scene,
             .gbuffer = &gbuffer,
+            .light = light,
             .snapping = reference.snapping,
             .reference_error = is_irradiance ? reference.irradiance_error : reference.error,
             .reference_half = is_irradiance ? reference.irradiance_half : reference.half,
@@ -43,8 +39,7 @@ struct Answer {
 
 /// What each cause holds of the mean error over T, by name, every cause; zeros too. They add up to it.
 std::map<std::string, double> cause_errors(const Evidence& evidence);
-/// Why the causes that a record tells cannot stand beside today's frames: they were found on frames of another version. Empty
-/// when they can.
+/// Why a record's causes do not belong to today's frames: they were found on frames of another version. Empty where they do.
 std::string causes_obstacle(const Record& record);
 
 /// All metrics.

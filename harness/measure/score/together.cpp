@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cassert>
-#include <cmath>
 
 #include "measure/picture/shading.h"
 
@@ -10,34 +9,30 @@ namespace gnomon {
 
 namespace {
 
-/// Sums over the lights, in double: the order of the lights then does not show in a float.
+/// Sums over the lights at one pixel, in double: the order of the lights then does not show in a float.
 struct ShareSums {
-  explicit ShareSums(std::size_t pixels)
-      : mask(pixels), shown(pixels), reference(pixels), half(pixels), variance(pixels), worst(pixels) {}
-  std::vector<double> mask, shown, reference, half, variance;
-  std::vector<double> worst;  ///< the largest error of one light that has a cause, as light received
+  double mask = 0, shown = 0, reference = 0, half = 0, variance = 0;
+  double worst = 0;  ///< the largest error of one light that has a cause, as light received
 };
 
-void add(const Evidence& e, const std::vector<double>& received, Together& whole, ShareSums& sums) {
+void add(const Evidence& e, const std::vector<double>& received, Together& whole, std::vector<ShareSums>& sums) {
   for (std::size_t i = 0; i < received.size(); ++i) {
+    ShareSums& sum = sums[i];
     whole.received[i] += received[i];
     whole.classes[i] = std::max(whole.classes[i], e.classes[i]);  // from B to T
     const double reference = received[i] * e.reference[i];
     const double mask = e.classes[i] == PixelClass::T ? received[i] * e.mask[i] : reference;
-    sums.reference[i] += reference;
+    sum.reference += reference;
     const bool has_half = e.classes[i] == PixelClass::T && !e.reference_half.empty();
-    sums.half[i] += has_half ? received[i] * e.reference_half[i] : reference;
-    sums.mask[i] += mask;
-    sums.shown[i] += received[i] * e.mask[i];
-    if (!e.reference_error.empty()) {
-      const double error = received[i] * e.reference_error[i];
-      sums.variance[i] += error * error;
-    }
-    if (e.causes.empty() || e.causes[i] == Cause::none) continue;
-    if (const double error = std::abs(mask - reference); error > sums.worst[i]) {
-      sums.worst[i] = error;
-      whole.causes[i] = e.causes[i];
-    }
+    sum.half += has_half ? received[i] * e.reference_half[i] : reference;
+    sum.mask += mask;
+    sum.shown += received[i] * e.mask[i];
+    const double deviation = e.reference_error.empty() ? 0 : received[i] * e.reference_error[i];
+    sum.variance += deviation * deviation;
+    const double error = std::abs(mask - reference);
+    if (e.causes.empty() || e.causes[i] == Cause::none || !(error > sum.worst)) continue;
+    sum.worst = error;
+    whole.causes[i] = e.causes[i];
   }
 }
 
@@ -50,33 +45,27 @@ Together together(std::span<const Evidence> lights) {
   Together whole{.scene = lights.front().scene,
                  .gbuffer = &gbuffer,
                  .received = std::vector<double>(pixels),
-                 .mask = {},
-                 .reference = {},
-                 .shown = {},
-                 .reference_error = {},
-                 .reference_half = {},
                  .classes = std::vector<PixelClass>(pixels, PixelClass::B),
-                 .causes = {},
                  .own_causes = {lights.front().own_causes.begin(), lights.front().own_causes.end()}};
-  if (std::ranges::any_of(lights, [](const Evidence& e) { return !e.causes.empty(); }))
-    whole.causes.assign(pixels, Cause::none);
-  ShareSums sums(pixels);
+  const auto any_has = [&](auto member) {
+    return std::ranges::any_of(lights, [&](const Evidence& e) { return !(e.*member).empty(); });
+  };
+  if (any_has(&Evidence::causes)) whole.causes.assign(pixels, Cause::none);
+  std::vector<ShareSums> sums(pixels);
   for (const Evidence& e : lights) add(e, received_light(gbuffer, *e.light), whole, sums);
 
   whole.mask.assign(pixels, 1.0f);
   whole.reference = whole.shown = whole.mask;
-  if (std::ranges::any_of(lights, [](const Evidence& e) { return !e.reference_error.empty(); }))
-    whole.reference_error.assign(pixels, 0.0f);
-  if (std::ranges::any_of(lights, [](const Evidence& e) { return !e.reference_half.empty(); }))
-    whole.reference_half.assign(pixels, 1.0f);
+  if (any_has(&Evidence::reference_error)) whole.reference_error.assign(pixels, 0.0f);
+  if (any_has(&Evidence::reference_half)) whole.reference_half.assign(pixels, 1.0f);
   for (std::size_t i = 0; i < pixels; ++i) {
     if (whole.received[i] == 0) continue;
-    whole.mask[i] = static_cast<float>(sums.mask[i] / whole.received[i]);
-    whole.shown[i] = static_cast<float>(sums.shown[i] / whole.received[i]);
-    whole.reference[i] = static_cast<float>(sums.reference[i] / whole.received[i]);
-    if (!whole.reference_half.empty()) whole.reference_half[i] = static_cast<float>(sums.half[i] / whole.received[i]);
-    if (!whole.reference_error.empty())
-      whole.reference_error[i] = static_cast<float>(std::sqrt(sums.variance[i]) / whole.received[i]);
+    const auto share = [&](double sum) { return static_cast<float>(sum / whole.received[i]); };
+    whole.mask[i] = share(sums[i].mask);
+    whole.shown[i] = share(sums[i].shown);
+    whole.reference[i] = share(sums[i].reference);
+    if (!whole.reference_half.empty()) whole.reference_half[i] = share(sums[i].half);
+    if (!whole.reference_error.empty()) whole.reference_error[i] = share(std::sqrt(sums[i].variance));
   }
   return whole;
 }

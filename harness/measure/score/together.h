@@ -9,14 +9,14 @@ namespace gnomon {
 struct Together {
   const Scene* scene = nullptr;
   const GBuffer* gbuffer = nullptr;
-  std::vector<double> received;        ///< of all lights without shadows, W/m2
-  std::vector<float> mask, reference;  ///< shares of it
-  std::vector<float> shown;            ///< the mask's share where lights are not tested, too: for pictures
-  std::vector<float> reference_error;  ///< standard errors of `reference`; empty where no light has an area
-  std::vector<float> reference_half;   ///< what half of its rays say; the same
-  std::vector<PixelClass> classes;     ///< T where some light is tested; else the first of U, S, G that one has; else F or B
-  std::vector<Cause> causes;           ///< of the light that errs most there; empty where none of the lights has causes
-  std::vector<CauseInfo> own_causes;   ///< of the technique
+  std::vector<double> received;                  ///< of all lights without shadows, W/m2
+  std::vector<float> mask = {}, reference = {};  ///< shares of it
+  std::vector<float> shown = {};                 ///< the mask's share where lights are not tested, too: for pictures
+  std::vector<float> reference_error = {};       ///< standard errors of `reference`; empty where no light has an area
+  std::vector<float> reference_half = {};        ///< what half of its rays say; the same
+  std::vector<PixelClass> classes;               ///< T where a light is tested; else the first of U, S, G, F, B that one has
+  std::vector<Cause> causes = {};                ///< of the light that errs most there; empty where no light has causes
+  std::vector<CauseInfo> own_causes = {};        ///< of the technique
 
   /// It must not outlive this.
   Evidence evidence() const;

@@ -1,9 +1,6 @@
 #pragma once
 #include <gnomon/kit/random.h>
 
-#include <span>
-#include <vector>
-
 #include "measure/statistics/statistics.h"
 
 namespace gnomon {
@@ -11,7 +8,7 @@ namespace gnomon {
 /// With more repetitions than this, a bootstrap draws the middle of a resample and not each of its values.
 inline constexpr std::size_t most_drawn_singly = 100;
 
-/// Brings the repetitions of processes with more than `most_drawn_singly` in rising order, as `draw_repetitions` wants them.
+/// Sorts the repetitions of processes with more than `most_drawn_singly` in rising order, as `draw_repetitions` requires.
 void order_long_processes(ProcessTimes& times);
 
 /// Values with the median of as many repetitions of a process, one at least, drawn from it with replacement. Of a long process

@@ -9,10 +9,8 @@
 
 namespace gnomon {
 
-namespace {
-
 /// Reorders the values.
-double quantile_in_place(std::span<double> values, double q) {
+static double quantile_in_place(std::span<double> values, double q) {
   assert(!values.empty() && q >= 0 && q <= 1);
   const double place = q * static_cast<double>(values.size() - 1);
   const auto at = values.begin() + static_cast<std::ptrdiff_t>(place);
@@ -22,8 +20,6 @@ double quantile_in_place(std::span<double> values, double q) {
   if (below == above) return below;
   return below + (place - std::floor(place)) * (above - below);
 }
-
-}  // namespace
 
 double quantile(std::span<const double> values, double q) {
   std::vector<double> copy(values.begin(), values.end());
@@ -43,8 +39,7 @@ std::optional<double> median_of_medians(const ProcessTimes& times) {
   std::vector<double> medians;
   for (const std::vector<double>& process : times)
     if (!process.empty()) medians.push_back(median(process));
-  if (medians.empty()) return std::nullopt;
-  return median(medians);
+  return medians.empty() ? std::nullopt : std::optional(median(medians));
 }
 
 std::optional<Estimate> bootstrap(const ProcessTimes& times) {

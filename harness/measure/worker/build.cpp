@@ -2,11 +2,8 @@
 
 #include <gnomon/registry.h>
 
-#include <algorithm>
-#include <array>
-#include <utility>
-
 #include "gnomon_commit.h"
+#include "measure/program/plugin_facts.h"
 #include "measure/scene/blob.h"
 
 #ifdef __clang__
@@ -46,17 +43,9 @@ Json build_context() {
 }
 
 std::string technique_source(const std::string& technique, const std::string& settings) {
-  std::string source(source_of(technique));
+  std::string source(source_of(technique)), inner;
   if (source.empty()) return source;
-  const auto object = registry().technique(technique).make();
-  try {
-    object->apply(settings);
-  } catch (const Error&) {
-    return source;  // of a record whose settings are none any more
-  }
-  std::string inner;
-  for (const Parameter* const row : object->parameters())
-    if (dynamic_cast<const ObjectParameter*>(&typed(*row))) inner += source_of(row->text());
+  for (const std::string& id : inner_techniques(technique, settings)) inner += source_of(id);
   return inner.empty() ? source : content_hash(source + inner).substr(0, 16);
 }
 

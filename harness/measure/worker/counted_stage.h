@@ -1,37 +1,28 @@
 #pragma once
 #if __has_include(<valgrind/callgrind.h>)
 #include <valgrind/callgrind.h>
-#define GNOMON_CALLGRIND 1
 #else
-#define GNOMON_CALLGRIND 0
+#define CALLGRIND_START_INSTRUMENTATION
+#define CALLGRIND_STOP_INSTRUMENTATION
+#define CALLGRIND_DUMP_STATS_AT(stage)
 #endif
 
 namespace gnomon {
 
-/// While it lives the instructions of one stage are counted, where the program runs under valgrind's callgrind
-/// (scripts/instructions) and was built where its header is; else it does nothing. At the end callgrind writes them under the
-/// stage's name.
+/// While it lives, callgrind counts the instructions of one stage, where the program runs under valgrind (scripts/instructions)
+/// and was built with its header; else nothing happens. At the end callgrind writes the count under the stage's name.
 class CountedStage {
  public:
-  explicit CountedStage([[maybe_unused]] const char* stage) {
-#if GNOMON_CALLGRIND
-    stage_ = stage;
-    CALLGRIND_START_INSTRUMENTATION;
-#endif
-  }
+  explicit CountedStage(const char* stage) : stage_(stage) { CALLGRIND_START_INSTRUMENTATION; }
   CountedStage(const CountedStage&) = delete;
   CountedStage& operator=(const CountedStage&) = delete;
   ~CountedStage() {
-#if GNOMON_CALLGRIND
     CALLGRIND_STOP_INSTRUMENTATION;
     CALLGRIND_DUMP_STATS_AT(stage_);
-#endif
   }
 
  private:
-#if GNOMON_CALLGRIND
-  const char* stage_;
-#endif
+  [[maybe_unused]] const char* stage_;  ///< unused without the header
 };
 
 }  // namespace gnomon

@@ -16,16 +16,12 @@
 
 namespace gnomon {
 
-namespace {
-
-std::string processor() {
+static std::string processor() {
   std::ifstream info("/proc/cpuinfo");
   for (std::string line; std::getline(info, line);)
     if (line.starts_with("model name")) return line.substr(line.find(':') + 2);
   return "unknown";
 }
-
-}  // namespace
 
 Json machine_context(int threads) {
   const int cores = static_cast<int>(std::thread::hardware_concurrency());

@@ -3,28 +3,23 @@
 #include <gnomon/plugins.h>
 #include <gnomon/registry.h>
 
-#include <algorithm>
-#include <filesystem>
-
 #include "measure/program/described_technique.h"
 #include "measure/scene/blob.h"
 #include "measure/worker/roll_protocol.h"
 
 namespace gnomon {
 
-namespace fs = std::filesystem;
-
 namespace {
 
-constexpr double patience = 10;  ///< seconds for what is done in no time
+constexpr double patience = 10;  ///< seconds for what takes no time
 constexpr double scene_patience = 600;
 
-/// A worker that has one plugin's library, and a new one after whatever went wrong.
+/// A worker that has loaded one plugin's library; a new one after each failure.
 class PluginWorker {
  public:
   explicit PluginWorker(std::string path) : path_(std::move(path)) {}
 
-  /// What the plugin has. Throws Error, also where loading it ends or hangs the worker.
+  /// The plugin's roll. Throws Error, also where loading it ends or hangs the worker.
   LoadRequest::Reply load() {
     process_ = std::make_unique<WorkerProcess>(WorkerOptions{});
     LoadRequest::Reply roll;
@@ -37,7 +32,7 @@ class PluginWorker {
     return roll;
   }
 
-  /// Its answer about an entry, with "" or, empty, with why it does not answer.
+  /// Its answer about an entry with ""; or an empty answer with the reason.
   template <class Request>
   std::pair<typename Request::Reply, std::string> ask(const Request& request) {
     try {
@@ -58,7 +53,7 @@ class PluginWorker {
 MakeScene maker_of(const std::string& plugin) {
   return [plugin](const std::string& id, const std::string& settings) {
     const ScratchFolder folder = ScratchFolder::temporary("gnomon-scene");
-    const fs::path file = folder.path() / "scene";
+    const std::filesystem::path file = folder.path() / "scene";
     WorkerProcess process(WorkerOptions{.plugins = {plugin}});
     try {
       process.ask(MakeSceneRequest{id, settings, file.string()}, scene_patience);
@@ -73,7 +68,7 @@ bool is_known(const std::string& path) {
   std::error_code ignored;
   const std::string file = path.find('/') == path.npos ? "./" + path : path;
   return std::ranges::any_of(loaded_plugins(),
-                             [&](const PluginFacts& known) { return fs::equivalent(known.file, file, ignored); });
+                             [&](const PluginFacts& known) { return std::filesystem::equivalent(known.file, file, ignored); });
 }
 
 }  // namespace
@@ -95,46 +90,36 @@ void register_plugin(const std::string& path) {
       const auto [described, broken] = worker.ask(DescribeRequest{.technique = {}, .scene = sheet.at("id")});
       registry().add(described_scene(sheet, described.object, broken, maker_of(path)));
     }
-    const Json facts = roll.facts.value_or(Json::object());
-    note_plugin({.path = path,
-                 .file = facts.at("file"),
-                 .build_type = facts.at("build_type"),
-                 .flags = facts.at("flags"),
-                 .compiler = facts.at("compiler"),
-                 .is_optimized = facts.at("is_optimized")});
   } catch (const Json::exception& problem) {
     throw Error("plugin {} describes itself by nonsense: {}", path, complaint(problem));
   }
+  PluginFacts facts = roll.facts.value_or(PluginFacts());
+  facts.path = path;
+  note_plugin(std::move(facts));
   registry().set_origin("");
 }
 
-SupportQuestions::SupportQuestions(WorkerOptions worker, double timeout_seconds)
-    : worker_(std::move(worker)), timeout_seconds_(timeout_seconds) {}
-
 const std::vector<Support>& SupportQuestions::ask(const std::string& reference, const Scene& scene,
                                                   const std::string& technique) {
-  const std::pair key(reference, technique);
-  if (const auto failure = failures_.find(key); failure != failures_.end()) throw WorkerFailure(failure->second);
-  const auto [found, is_new] = known_.try_emplace(key);
-  if (!is_new) return found->second;
   std::string& file = files_[reference];
   if (file.empty()) {
     if (!folder_) folder_.emplace(ScratchFolder::in_memory("gnomon-support"));
     file = (folder_->path() / std::to_string(files_.size())).string();
     write_file(file, scene_bytes(scene));
   }
-  try {
-    if (!process_) process_ = std::make_unique<WorkerProcess>(worker_);
-    const SupportsRequest::Reply reply = process_->ask(SupportsRequest{file, technique, ""}, timeout_seconds_);
-    for (const SupportReply& light : reply.lights) found->second.push_back(support_of(light));
-    if (found->second.size() != scene.lights.size())
-      throw WorkerFailure("answered supports for other lights than it was asked");
-    return found->second;
-  } catch (const std::exception& failure) {
-    process_.reset();
-    known_.erase(found);
-    throw WorkerFailure(failures_[key] = failure.what());
-  }
+  const auto [found, is_new] = answers_.try_emplace({reference, technique});
+  auto& [supports, failure] = found->second;
+  if (is_new) try {
+      if (!process_) process_ = std::make_unique<WorkerProcess>(worker_);
+      const SupportsRequest::Reply reply = process_->ask(SupportsRequest{file, technique, ""}, timeout_seconds_);
+      for (const SupportReply& light : reply.lights) supports.push_back(support_of(light));
+      if (supports.size() != scene.lights.size()) throw WorkerFailure("answered supports for other lights than it was asked");
+    } catch (const std::exception& problem) {
+      process_.reset();
+      failure = problem.what();
+    }
+  if (failure) throw WorkerFailure(*failure);
+  return supports;
 }
 
 }  // namespace gnomon

@@ -1,13 +1,10 @@
 #pragma once
-#include <string>
-#include <vector>
-
 #include "measure/fields.h"
 #include "measure/frame/classify.h"
 #include "measure/gl_inputs.h"
 
-// What is said between a program and its workers: one line of JSON a request, {"do": VERB, ...}, and one a reply. Each request
-// is a struct with its verb and its reply; an exception is answered as {"error": text}.
+// The messages between a program and its workers: one line of JSON a request, {"do": VERB, ...}, and one a reply. Each request
+// is a struct with its verb and its reply; an exception is answered by {"error": text}.
 
 namespace gnomon {
 
@@ -26,19 +23,20 @@ inline constexpr int most_floor_times = 50;
 struct Done {};
 void for_each_field(MaybeConst<Done> auto&, const auto&) {}
 
-/// What a technique says of a light.
+/// A technique's support of a light.
 struct SupportReply {
   Support::Kind support = Support::Kind::full;
   std::string why = {};
 };
-void for_each_field(MaybeConst<SupportReply> auto& reply, const auto& use) {
-  use("support", reply.support);
-  use("why", reply.why);
+void for_each_field(MaybeConst<SupportReply> auto& r, const auto& use) { use("support", r.support, "why", r.why); }
+inline SupportReply reply_of(const Support& support) { return {support.kind(), support.why()}; }
+inline Support support_of(const SupportReply& reply) {
+  if (reply.support == Support::Kind::full) return Support::full();
+  const std::string why = printable(reply.why);
+  return reply.support == Support::Kind::approximate ? Support::approximate(why) : Support::unsupported(why);
 }
-SupportReply reply_of(const Support& support);
-Support support_of(const SupportReply& reply);
 
-/// Asks what program this is.
+/// What program this is.
 struct ProtocolRequest {
   static constexpr const char* verb = "protocol";
   struct Reply {
@@ -47,42 +45,35 @@ struct ProtocolRequest {
   };
 };
 void for_each_field(MaybeConst<ProtocolRequest> auto&, const auto&) {}
-void for_each_field(MaybeConst<ProtocolRequest::Reply> auto& reply, const auto& use) {
-  use("protocol", reply.protocol);
-  use("context", reply.context);
+void for_each_field(MaybeConst<ProtocolRequest::Reply> auto& r, const auto& use) {
+  use("protocol", r.protocol, "context", r.context);
 }
 
 /// What a worker draws with.
 struct WorkerGl {
   std::string renderer, version;
   int subpixel_bits = usual_subpixel_bits;
-  /// How the card does at the load: name, driver, graphics_mhz, power_w and so on; nothing where nobody knows.
+  /// State of the card at the load: name, driver, graphics_mhz, power_w and so on; nothing where it is unknown.
   std::optional<Json> card = {};
 };
-void for_each_field(MaybeConst<WorkerGl> auto& gl, const auto& use) {
-  use("renderer", gl.renderer);
-  use("version", gl.version);
-  use("subpixel_bits", gl.subpixel_bits);
-  use("card", gl.card);
+void for_each_field(MaybeConst<WorkerGl> auto& r, const auto& use) {
+  use("renderer", r.renderer, "version", r.version, "subpixel_bits", r.subpixel_bits, "card", r.card);
 }
 
-/// From now on the worker holds this technique on this scene.
+/// From now on the worker serves this technique on this scene.
 struct OpenRequest {
   static constexpr const char* verb = "open";
   std::string scene = {};           ///< file with scene_bytes
   std::string technique, settings;  ///< id; "a=1,b=2"
-  std::string progress = {};        ///< place of a SharedCount for what the technique tells of a stage under way
+  std::string progress = {};        ///< place of a SharedCount in which the technique counts its progress through a stage
   struct Reply {
     std::optional<WorkerGl> gl = {};  ///< nothing for a technique that does not draw
   };
 };
-void for_each_field(MaybeConst<OpenRequest> auto& request, const auto& use) {
-  use("scene", request.scene);
-  use("technique", request.technique);
-  use("settings", request.settings);
-  use("progress", request.progress);
+void for_each_field(MaybeConst<OpenRequest> auto& r, const auto& use) {
+  use("scene", r.scene, "technique", r.technique, "settings", r.settings, "progress", r.progress);
 }
-void for_each_field(MaybeConst<OpenRequest::Reply> auto& reply, const auto& use) { use("gl", reply.gl); }
+void for_each_field(MaybeConst<OpenRequest::Reply> auto& r, const auto& use) { use("gl", r.gl); }
 
 /// Other settings of the same technique.
 struct SetRequest {
@@ -92,8 +83,8 @@ struct SetRequest {
     int fresh = 0;  ///< stages, from setup on, that are up to date
   };
 };
-void for_each_field(MaybeConst<SetRequest> auto& request, const auto& use) { use("settings", request.settings); }
-void for_each_field(MaybeConst<SetRequest::Reply> auto& reply, const auto& use) { use("fresh", reply.fresh); }
+void for_each_field(MaybeConst<SetRequest> auto& r, const auto& use) { use("settings", r.settings); }
+void for_each_field(MaybeConst<SetRequest::Reply> auto& r, const auto& use) { use("fresh", r.fresh); }
 
 /// Goes to a frame. Lights and view are the scene's, by number, on a path where that has moved one of them to; or they are
 /// free: those of `light_and_view`, a file with the scene_bytes of a scene without meshes that holds the lights and one view.
@@ -105,7 +96,7 @@ struct GoRequest {
   std::optional<std::string> light_and_view = {};
   std::vector<std::size_t> lights = {};
   std::size_t view = 0;
-  std::string path = {};  ///< its name; empty: both stand still
+  std::string path = {};  ///< its name; empty: light and view do not move
   int frame = 0;          ///< on the path
   struct Reply {
     SupportReply support;
@@ -115,23 +106,13 @@ struct GoRequest {
     std::string floor = {};                 ///< name of the bare pass of the frame; empty: none
   };
 };
-void for_each_field(MaybeConst<GoRequest> auto& request, const auto& use) {
-  use("gbuffer", request.gbuffer);
-  use("width", request.width);
-  use("height", request.height);
-  use("truth", request.truth);
-  use("light_and_view", request.light_and_view);
-  use("lights", request.lights);
-  use("view", request.view);
-  use("path", request.path);
-  use("frame", request.frame);
+void for_each_field(MaybeConst<GoRequest> auto& r, const auto& use) {
+  use("gbuffer", r.gbuffer, "width", r.width, "height", r.height, "truth", r.truth);
+  use("light_and_view", r.light_and_view, "lights", r.lights, "view", r.view);
+  use("path", r.path, "frame", r.frame);
 }
-void for_each_field(MaybeConst<GoRequest::Reply> auto& reply, const auto& use) {
-  use("support", reply.support);
-  use("fresh", reply.fresh);
-  use("lights", reply.lights);
-  use("shares", reply.shares);
-  use("floor", reply.floor);
+void for_each_field(MaybeConst<GoRequest::Reply> auto& r, const auto& use) {
+  use("support", r.support, "fresh", r.fresh, "lights", r.lights, "shares", r.shares, "floor", r.floor);
 }
 
 /// Brings earlier stages up untimed and does this one so many times, or fewer (longest_portion_seconds).
@@ -146,15 +127,9 @@ struct TimeRequest {
     std::optional<double> harness_ms = {};  ///< and by the harness's, where `ms` is by the technique's own
   };
 };
-void for_each_field(MaybeConst<TimeRequest> auto& request, const auto& use) {
-  use("stage", request.stage);
-  use("iterations", request.iterations);
-}
-void for_each_field(MaybeConst<TimeRequest::Reply> auto& reply, const auto& use) {
-  use("ms", reply.ms);
-  use("iterations", reply.iterations);
-  use("device_ms", reply.device_ms);
-  use("harness_ms", reply.harness_ms);
+void for_each_field(MaybeConst<TimeRequest> auto& r, const auto& use) { use("stage", r.stage, "iterations", r.iterations); }
+void for_each_field(MaybeConst<TimeRequest::Reply> auto& r, const auto& use) {
+  use("ms", r.ms, "iterations", r.iterations, "device_ms", r.device_ms, "harness_ms", r.harness_ms);
 }
 
 /// Draws the frame's bare pass so many times in a row.
@@ -166,21 +141,18 @@ struct FloorRequest {
     std::optional<double> device_ms = {};
   };
 };
-void for_each_field(MaybeConst<FloorRequest> auto& request, const auto& use) { use("times", request.times); }
-void for_each_field(MaybeConst<FloorRequest::Reply> auto& reply, const auto& use) {
-  use("ms", reply.ms);
-  use("device_ms", reply.device_ms);
-}
+void for_each_field(MaybeConst<FloorRequest> auto& r, const auto& use) { use("times", r.times); }
+void for_each_field(MaybeConst<FloorRequest::Reply> auto& r, const auto& use) { use("ms", r.ms, "device_ms", r.device_ms); }
 
-/// How the card does now.
+/// Present state of the card.
 struct CardRequest {
   static constexpr const char* verb = "card";
   struct Reply {
-    std::optional<Json> card = {};  ///< as WorkerGl has it
+    std::optional<Json> card = {};  ///< as in WorkerGl
   };
 };
 void for_each_field(MaybeConst<CardRequest> auto&, const auto&) {}
-void for_each_field(MaybeConst<CardRequest::Reply> auto& reply, const auto& use) { use("card", reply.card); }
+void for_each_field(MaybeConst<CardRequest::Reply> auto& r, const auto& use) { use("card", r.card); }
 
 /// Does all stages up to this one, once, that are out of date.
 struct BringUpRequest {
@@ -188,7 +160,7 @@ struct BringUpRequest {
   Stage stage = Stage::setup;
   using Reply = Done;
 };
-void for_each_field(MaybeConst<BringUpRequest> auto& request, const auto& use) { use("stage", request.stage); }
+void for_each_field(MaybeConst<BringUpRequest> auto& r, const auto& use) { use("stage", r.stage); }
 
 /// The masks of all lights, one after the other, as raw floats in a file.
 struct MaskRequest {
@@ -196,7 +168,7 @@ struct MaskRequest {
   std::string mask = {};
   using Reply = Done;
 };
-void for_each_field(MaybeConst<MaskRequest> auto& request, const auto& use) { use("mask", request.mask); }
+void for_each_field(MaybeConst<MaskRequest> auto& r, const auto& use) { use("mask", r.mask); }
 
 /// The same, and what the technique counts.
 struct AnswerRequest {
@@ -209,12 +181,9 @@ struct AnswerRequest {
     std::optional<GlInputs> gl = {};
   };
 };
-void for_each_field(MaybeConst<AnswerRequest> auto& request, const auto& use) { use("mask", request.mask); }
-void for_each_field(MaybeConst<AnswerRequest::Reply> auto& reply, const auto& use) {
-  use("counts", reply.counts);
-  use("peak_bytes", reply.peak_bytes);
-  use("maker", reply.maker);
-  use("gl", reply.gl);
+void for_each_field(MaybeConst<AnswerRequest> auto& r, const auto& use) { use("mask", r.mask); }
+void for_each_field(MaybeConst<AnswerRequest::Reply> auto& r, const auto& use) {
+  use("counts", r.counts, "peak_bytes", r.peak_bytes, "maker", r.maker, "gl", r.gl);
 }
 
 // These are about one of the frame's lights, and about the masks answered last.
@@ -228,12 +197,10 @@ struct ExplainRequest {
     bool explained = false;  ///< any of them
   };
 };
-void for_each_field(MaybeConst<ExplainRequest> auto& request, const auto& use) {
-  use("pixels", request.pixels);
-  use("out", request.out);
-  use("light", request.light);
+void for_each_field(MaybeConst<ExplainRequest> auto& r, const auto& use) {
+  use("pixels", r.pixels, "out", r.out, "light", r.light);
 }
-void for_each_field(MaybeConst<ExplainRequest::Reply> auto& reply, const auto& use) { use("explained", reply.explained); }
+void for_each_field(MaybeConst<ExplainRequest::Reply> auto& r, const auto& use) { use("explained", r.explained); }
 
 struct DebugRequest {
   static constexpr const char* verb = "debug";
@@ -241,10 +208,8 @@ struct DebugRequest {
   std::size_t light = 0;
   using Reply = Done;
 };
-void for_each_field(MaybeConst<DebugRequest> auto& request, const auto& use) {
-  use("layer", request.layer);
-  use("out", request.out);
-  use("light", request.light);
+void for_each_field(MaybeConst<DebugRequest> auto& r, const auto& use) {
+  use("layer", r.layer, "out", r.out, "light", r.light);
 }
 
 /// Technique::global_picture.
@@ -256,11 +221,8 @@ struct GlobalRequest {
     bool has_picture = false;
   };
 };
-void for_each_field(MaybeConst<GlobalRequest> auto& request, const auto& use) {
-  use("out", request.out);
-  use("light", request.light);
-}
-void for_each_field(MaybeConst<GlobalRequest::Reply> auto& reply, const auto& use) { use("has_picture", reply.has_picture); }
+void for_each_field(MaybeConst<GlobalRequest> auto& r, const auto& use) { use("out", r.out, "light", r.light); }
+void for_each_field(MaybeConst<GlobalRequest::Reply> auto& r, const auto& use) { use("has_picture", r.has_picture); }
 
 /// Surface detail of the last relight.
 struct DetailRequest {
@@ -269,13 +231,10 @@ struct DetailRequest {
   std::size_t light = 0;
   using Reply = Done;
 };
-void for_each_field(MaybeConst<DetailRequest> auto& request, const auto& use) {
-  use("out", request.out);
-  use("light", request.light);
-}
+void for_each_field(MaybeConst<DetailRequest> auto& r, const auto& use) { use("out", r.out, "light", r.light); }
 
-/// The reference of a light, with `global_samples` that of all light, or where `light_and_view` holds no light the G-buffer, as
-/// the frame cache has them. A worker that traces serves no technique.
+/// The reference of a light, with `global_samples` that of all light, or where `light_and_view` has no light the G-buffer, as
+/// the frame cache stores them. A worker that traces serves no technique.
 struct TraceRequest {
   static constexpr const char* verb = "trace";
   std::string scene, light_and_view, gbuffer, out;  ///< files; light_and_view as in GoRequest
@@ -287,19 +246,11 @@ struct TraceRequest {
   std::string done = {};  ///< place of a SharedCount of the pixels that are through; may be empty
   using Reply = Done;
 };
-void for_each_field(MaybeConst<TraceRequest> auto& request, const auto& use) {
-  use("scene", request.scene);
-  use("light_and_view", request.light_and_view);
-  use("gbuffer", request.gbuffer);
-  use("out", request.out);
-  use("width", request.width);
-  use("height", request.height);
-  use("truth", request.truth);
-  use("error", request.error);
-  use("cap", request.cap);
-  use("subpixel_bits", request.subpixel_bits);
-  use("global_samples", request.global_samples);
-  use("done", request.done);
+void for_each_field(MaybeConst<TraceRequest> auto& r, const auto& use) {
+  use("scene", r.scene, "light_and_view", r.light_and_view, "gbuffer", r.gbuffer, "out", r.out);
+  use("width", r.width, "height", r.height, "truth", r.truth);
+  use("error", r.error, "cap", r.cap, "subpixel_bits", r.subpixel_bits);
+  use("global_samples", r.global_samples, "done", r.done);
 }
 
 /// The line of a request.

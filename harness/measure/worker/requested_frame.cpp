@@ -1,7 +1,5 @@
 #include "measure/worker/requested_frame.h"
 
-#include <gnomon/error.h>
-
 #include "measure/scene/motion.h"
 
 namespace gnomon {

@@ -8,7 +8,7 @@ namespace gnomon {
 struct RequestedFrame {
   FrameKey key;
   std::vector<Light> lights;
-  std::string lit_by;    ///< differs between any two choices of lights: relight is out of date when it changes
+  std::string lit_by;    ///< differs between any two choices of lights: when it changes, relight is out of date
   bool is_free = false;  ///< light and view need not be the scene's
 };
 

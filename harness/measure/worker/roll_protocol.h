@@ -1,29 +1,34 @@
 #pragma once
+#include <gnomon/plugins.h>
+
 #include "measure/worker/protocol.h"
 
-// What is asked of techniques and scenes before any of them is opened.
+// Requests about techniques and scenes, before any of them is opened.
 
 namespace gnomon {
 
-/// Loads a plugin and says what it has, by data sheets alone.
+/// All but `path`, which the program has.
+void for_each_field(MaybeConst<PluginFacts> auto& r, const auto& use) {
+  use("file", r.file, "build_type", r.build_type, "flags", r.flags, "compiler", r.compiler);
+  use("is_optimized", r.is_optimized);
+}
+
+/// Loads a plugin and lists what it contains, by data sheets alone.
 struct LoadRequest {
   static constexpr const char* verb = "load";
   std::string plugin = {};
   struct Reply {
     std::optional<std::string> refused = {};  ///< why it cannot be loaded
     std::vector<Json> techniques, scenes;     ///< sheet_json
-    std::optional<Json> facts = {};           ///< PluginFacts
+    std::optional<PluginFacts> facts = {};
   };
 };
-void for_each_field(MaybeConst<LoadRequest> auto& request, const auto& use) { use("plugin", request.plugin); }
-void for_each_field(MaybeConst<LoadRequest::Reply> auto& reply, const auto& use) {
-  use("refused", reply.refused);
-  use("techniques", reply.techniques);
-  use("scenes", reply.scenes);
-  use("facts", reply.facts);
+void for_each_field(MaybeConst<LoadRequest> auto& r, const auto& use) { use("plugin", r.plugin); }
+void for_each_field(MaybeConst<LoadRequest::Reply> auto& r, const auto& use) {
+  use("refused", r.refused, "techniques", r.techniques, "scenes", r.scenes, "facts", r.facts);
 }
 
-/// Makes an object of a technique, or of a scene, and says what it is.
+/// Makes an object of a technique, or of a scene, and describes it.
 struct DescribeRequest {
   static constexpr const char* verb = "describe";
   std::optional<std::string> technique, scene;
@@ -31,11 +36,8 @@ struct DescribeRequest {
     Json object;  ///< object_json
   };
 };
-void for_each_field(MaybeConst<DescribeRequest> auto& request, const auto& use) {
-  use("technique", request.technique);
-  use("scene", request.scene);
-}
-void for_each_field(MaybeConst<DescribeRequest::Reply> auto& reply, const auto& use) { use("object", reply.object); }
+void for_each_field(MaybeConst<DescribeRequest> auto& r, const auto& use) { use("technique", r.technique, "scene", r.scene); }
+void for_each_field(MaybeConst<DescribeRequest::Reply> auto& r, const auto& use) { use("object", r.object); }
 
 struct KnownLightsRequest {
   static constexpr const char* verb = "known_lights";
@@ -44,21 +46,19 @@ struct KnownLightsRequest {
     std::vector<std::string> lights = {};
   };
 };
-void for_each_field(MaybeConst<KnownLightsRequest> auto& request, const auto& use) { use("technique", request.technique); }
-void for_each_field(MaybeConst<KnownLightsRequest::Reply> auto& reply, const auto& use) { use("lights", reply.lights); }
+void for_each_field(MaybeConst<KnownLightsRequest> auto& r, const auto& use) { use("technique", r.technique); }
+void for_each_field(MaybeConst<KnownLightsRequest::Reply> auto& r, const auto& use) { use("lights", r.lights); }
 
 struct MakeSceneRequest {
   static constexpr const char* verb = "make_scene";
   std::string scene, settings, out;  ///< out: a file for scene_bytes
   using Reply = Done;
 };
-void for_each_field(MaybeConst<MakeSceneRequest> auto& request, const auto& use) {
-  use("scene", request.scene);
-  use("settings", request.settings);
-  use("out", request.out);
+void for_each_field(MaybeConst<MakeSceneRequest> auto& r, const auto& use) {
+  use("scene", r.scene, "settings", r.settings, "out", r.out);
 }
 
-/// What a technique says of every light of a scene under its first view.
+/// A technique's support of every light of a scene under its first view.
 struct SupportsRequest {
   static constexpr const char* verb = "supports";
   std::string scene, technique, settings;
@@ -66,11 +66,9 @@ struct SupportsRequest {
     std::vector<SupportReply> lights = {};
   };
 };
-void for_each_field(MaybeConst<SupportsRequest> auto& request, const auto& use) {
-  use("scene", request.scene);
-  use("technique", request.technique);
-  use("settings", request.settings);
+void for_each_field(MaybeConst<SupportsRequest> auto& r, const auto& use) {
+  use("scene", r.scene, "technique", r.technique, "settings", r.settings);
 }
-void for_each_field(MaybeConst<SupportsRequest::Reply> auto& reply, const auto& use) { use("lights", reply.lights); }
+void for_each_field(MaybeConst<SupportsRequest::Reply> auto& r, const auto& use) { use("lights", r.lights); }
 
 }  // namespace gnomon

@@ -5,8 +5,8 @@
 
 namespace gnomon {
 
-/// A number that two processes have in their memory: one counts up, the other one looks. It lies in a file without a name that
-/// nobody can shorten. Where it cannot be shared each process has a number of its own, and who looks sees it stand still.
+/// A number in the memory of two processes: one counts up, the other one reads. It is stored in a file without a name that
+/// nobody can shorten. Where it cannot be shared, each process has a number of its own, and the reader's does not change.
 class SharedCount {
  public:
   /// A new one, 0.
@@ -14,10 +14,8 @@ class SharedCount {
   /// That of another process: the path is its `place()`.
   explicit SharedCount(const std::string& place);
   ~SharedCount();
-  SharedCount(const SharedCount&) = delete;
-  SharedCount& operator=(const SharedCount&) = delete;
 
-  /// Where other processes of this user find it while this one lives; empty where it cannot be shared.
+  /// The path by which other processes of this user open it while this one lives; empty where it cannot be shared.
   std::string place() const;
 
   std::atomic<std::size_t>& value() { return *value_; }
@@ -28,7 +26,7 @@ class SharedCount {
   void map();
 
   int descriptor_ = -1;
-  std::atomic<std::size_t> own_ = 0;
+  std::atomic<std::size_t> own_ = 0;  ///< also makes the object uncopyable
   std::atomic<std::size_t>* value_ = &own_;
 };
 

@@ -1,17 +1,12 @@
 #include "measure/worker/worker_client.h"
 
-#include <gnomon/error.h>
 #include <gnomon/kit/progress.h>
 #include <gnomon/registry.h>
 #include <unistd.h>
 
-#include <algorithm>
-#include <cmath>
 #include <cstring>
 
-#include "measure/cause/causes.h"
 #include "measure/picture/detail_export.h"
-#include "measure/scene/blob.h"
 #include "measure/score/score.h"
 
 namespace gnomon {
@@ -20,12 +15,22 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// Starting a process, loading the scene and finding a device is the harness's own work: a short timeout is not meant for it.
+/// Starting a process, loading the scene and finding a device is the harness's own work: a short timeout does not apply to it.
 constexpr double least_load_seconds = 60;
 
 WorkerOptions with_program_folder(WorkerOptions options, const fs::path& folder) {
   options.program_folder = folder.string();
   return options;
+}
+
+/// Three floats a pixel from a file that the worker wrote. `what` they are, for the Error where their number is another.
+std::vector<float> read_rgb(const fs::path& file, std::size_t pixels, const std::string& what) {
+  const auto written = MappedFile::copy(file);
+  std::vector<float> rgb(3 * pixels);
+  if (written->bytes().size() != rgb.size() * sizeof(float))
+    throw Error("{} has {} bytes; {} are wanted", what, written->bytes().size(), rgb.size() * sizeof(float));
+  std::memcpy(rgb.data(), written->bytes().data(), written->bytes().size());
+  return rgb;
 }
 
 }  // namespace
@@ -46,7 +51,7 @@ WorkerClient::WorkerClient(const WorkerOptions& options, fs::path files, double 
 
 fs::path WorkerClient::file(const char* ending) const { return fs::path(files_) += fmt::format(".{}", ending); }
 
-/// What `read` makes of the files that came with a reply; what it cannot make anything of is the worker's failure.
+/// The result of `read`, which reads files that came with a reply; its Error is the worker's failure.
 template <class Read>
 auto WorkerClient::checked(const Read& read) {
   try {
@@ -56,13 +61,8 @@ auto WorkerClient::checked(const Read& read) {
   }
 }
 
-template <class Request>
-typename Request::Reply WorkerClient::ask(const Request& request) {
-  return process_.ask(request, timeout_seconds_);
-}
-
 void WorkerClient::begin_load(const TechniqueOnScene& what) {
-  // It would not be otherwise now, and might take its time.
+  // It would fail again, and might take long.
   if (const TechniqueEntry* const entry = registry().find_technique(what.technique); entry && !entry->broken.empty())
     process_.fail(entry->broken);
   process_.send(request_json(OpenRequest{.scene = what.scene_file.string(),
@@ -78,15 +78,13 @@ void WorkerClient::end_load() {
   gl_ = process_.receive_reply<OpenRequest>(std::max(timeout_seconds_, least_load_seconds)).gl;
 }
 
-void WorkerClient::set(const std::string& settings) { fresh_count_ = ask(SetRequest{.settings = settings}).fresh; }
+void WorkerClient::set(const std::string& settings) {
+  fresh_count_ = process_.ask(SetRequest{.settings = settings}, timeout_seconds_).fresh;
+}
 
 FrameReply WorkerClient::frame(const FrameRequest& request) {
-  GoRequest question{.gbuffer = request.gbuffer_file.string(),
-                     .width = request.width,
-                     .height = request.height,
-                     .truth = request.truth,
-                     .light_and_view = {},
-                     .lights = {}};
+  GoRequest question{
+      .gbuffer = request.gbuffer_file.string(), .width = request.width, .height = request.height, .truth = request.truth};
   if (const auto* const seen = std::get_if<SceneLightAndView>(&request.seen)) {
     question.lights = seen->lights;
     question.view = seen->view;
@@ -94,14 +92,13 @@ FrameReply WorkerClient::frame(const FrameRequest& request) {
     question.frame = seen->path_frame;
     light_count_ = seen->lights.size();
   } else {
-    const fs::path light_and_view = file("light_and_view");
     const auto& [lights, view] = std::get<FreeLightAndView>(request.seen);
     light_count_ = lights.size();
-    write_file(light_and_view, light_and_view_bytes(lights, view));
-    question.light_and_view = light_and_view.string();
+    write_file(file("light_and_view"), light_and_view_bytes(lights, view));
+    question.light_and_view = file("light_and_view").string();
   }
   pixel_count_ = static_cast<std::size_t>(request.width) * request.height;
-  const GoRequest::Reply reply = ask(question);
+  const GoRequest::Reply reply = process_.ask(question, timeout_seconds_);
   fresh_count_ = reply.fresh;
   FrameReply result{.support = support_of(reply.support), .lights = {}, .floor = reply.floor, .shares = reply.shares};
   for (const SupportReply& light : reply.lights) result.lights.push_back(support_of(light));
@@ -133,14 +130,14 @@ double WorkerClient::time(Stage stage, int iterations) {
 }
 
 double WorkerClient::time_floor(int times) {
-  const FloorRequest::Reply reply = ask(FloorRequest{.times = times});
+  const FloorRequest::Reply reply = process_.ask(FloorRequest{.times = times}, timeout_seconds_);
   other_clocks_ = {.device = reply.device_ms, .harness = {}};
   return reply.ms;
 }
 
 std::optional<Json> WorkerClient::card() {
   if (!gl_ || !gl_->card) return std::nullopt;
-  return ask(CardRequest{}).card;
+  return process_.ask(CardRequest{}, timeout_seconds_).card;
 }
 
 void WorkerClient::bring_up(Stage last) {
@@ -148,22 +145,25 @@ void WorkerClient::bring_up(Stage last) {
   for (const Stage stage : all_stages) {
     if (stage > last) return;
     if (fresh_count_ > static_cast<int>(stage)) continue;
-    ask(BringUpRequest{.stage = stage});
+    process_.ask(BringUpRequest{.stage = stage}, timeout_seconds_);
     fresh_count_ = static_cast<int>(stage) + 1;
   }
 }
 
+std::vector<float> WorkerClient::read_mask() {
+  return checked([&] { return read_mask_file(file("mask"), pixel_count_, light_count_); });
+}
+
 std::vector<float> WorkerClient::mask() {
   bring_up(Stage::resolve);
-  ask(MaskRequest{.mask = file("mask").string()});
-  return checked([&] { return read_mask_file(file("mask"), pixel_count_, light_count_); });
+  process_.ask(MaskRequest{.mask = file("mask").string()}, timeout_seconds_);
+  return read_mask();
 }
 
 MaskReply WorkerClient::answer() {
   bring_up(Stage::resolve);
-  AnswerRequest::Reply reply = ask(AnswerRequest{.mask = file("mask").string()});
-  return {checked([&] { return read_mask_file(file("mask"), pixel_count_, light_count_); }), std::move(reply.counts),
-          reply.peak_bytes, std::move(reply.maker), reply.gl};
+  AnswerRequest::Reply reply = process_.ask(AnswerRequest{.mask = file("mask").string()}, timeout_seconds_);
+  return {read_mask(), std::move(reply.counts), reply.peak_bytes, std::move(reply.maker), reply.gl};
 }
 
 std::vector<std::optional<Explanation>> WorkerClient::explain(std::span<const std::uint32_t> pixels, std::size_t light) {
@@ -174,49 +174,32 @@ std::vector<std::optional<Explanation>> WorkerClient::explain(std::span<const st
   while (result.size() < pixels.size()) {
     const auto some = pixels.subspan(result.size(), std::min(portion, pixels.size() - result.size()));
     write_file(asked, std::as_bytes(some));
-    const bool is_explained = ask(ExplainRequest{asked.string(), answered.string(), light}).explained;
+    const ExplainRequest request{asked.string(), answered.string(), light};
+    const bool is_explained = process_.ask(request, timeout_seconds_).explained;
     const auto explanations = checked([&] {
       if (!is_explained) return std::vector<std::optional<Explanation>>();
       auto known = explanations_from_bytes(MappedFile::copy(answered)->bytes());
       if (known.size() != some.size()) throw Error("{} explanations came for {} pixels", known.size(), some.size());
       return known;
     });
-    if (explanations.empty()) {  // a technique without samples to show has none for any pixel
-      result.resize(pixels.size());
-      break;
-    }
+    if (explanations.empty()) break;  // a technique without samples to show has none for any pixel
     result.insert(result.end(), explanations.begin(), explanations.end());
   }
+  result.resize(pixels.size());
   return result;
 }
 
-namespace {
-
-/// Three floats a pixel from a file that the worker wrote. `what` they are, for the Error where their number is another.
-std::vector<float> read_rgb(const fs::path& file, std::size_t pixels, const std::string& what) {
-  const auto written = MappedFile::copy(file);
-  std::vector<float> rgb(3 * pixels);
-  if (written->bytes().size() != rgb.size() * sizeof(float))
-    throw Error("{} has {} bytes; {} are wanted", what, written->bytes().size(), rgb.size() * sizeof(float));
-  std::memcpy(rgb.data(), written->bytes().data(), written->bytes().size());
-  return rgb;
-}
-
-}  // namespace
-
 std::vector<float> WorkerClient::debug_layer(const std::string& layer, std::size_t light) {
   bring_up(Stage::resolve);
-  const fs::path answered = file("layer");
-  ask(DebugRequest{layer, answered.string(), light});
-  return checked([&] { return read_rgb(answered, pixel_count_, "debug layer " + layer); });
+  process_.ask(DebugRequest{layer, file("layer").string(), light}, timeout_seconds_);
+  return checked([&] { return read_rgb(file("layer"), pixel_count_, "debug layer " + layer); });
 }
 
 std::optional<std::vector<float>> WorkerClient::global_picture(std::size_t light) {
   bring_up(Stage::resolve);
-  const fs::path answered = file("global");
-  if (!ask(GlobalRequest{answered.string(), light}).has_picture) return std::nullopt;
+  if (!process_.ask(GlobalRequest{file("global").string(), light}, timeout_seconds_).has_picture) return std::nullopt;
   return checked([&] {
-    std::vector<float> rgb = read_rgb(answered, pixel_count_, "the global picture");
+    std::vector<float> rgb = read_rgb(file("global"), pixel_count_, "the global picture");
     for (std::size_t k = 0; k < rgb.size(); ++k)
       if (!(rgb[k] >= 0 && std::isfinite(rgb[k])))
         throw Error("the global picture's value {} at pixel {} is no radiance", rgb[k], k / 3);
@@ -226,14 +209,14 @@ std::optional<std::vector<float>> WorkerClient::global_picture(std::size_t light
 
 SurfaceDetail WorkerClient::surface_detail(std::size_t light) {
   bring_up(Stage::relight);
-  ask(DetailRequest{file("detail").string(), light});
+  process_.ask(DetailRequest{file("detail").string(), light}, timeout_seconds_);
   return checked([&] { return detail_from_bytes(MappedFile::copy(file("detail"))->bytes()); });
 }
 
 Json context_of_program(const WorkerOptions& options) {
   if (access(options.program.c_str(), X_OK) != 0)
     throw Error("program {} cannot be started: {}", options.program, std::strerror(errno));
-  constexpr double patience = 20;  // seconds to start; a program that is no gnomon may wait for ever
+  constexpr double patience = 20;  // seconds to start; a program that is no gnomon may wait forever
   Json answer;
   try {
     WorkerProcess process(options);

@@ -1,21 +1,13 @@
 #pragma once
 #include <gnomon/technique.h>
 
-#include <filesystem>
-#include <optional>
-#include <span>
-#include <variant>
-#include <vector>
-
-#include "measure/frame/classify.h"
-#include "measure/gl_inputs.h"
 #include "measure/scratch_folder.h"
 #include "measure/worker/shared_count.h"
 #include "measure/worker/worker_process.h"
 
 namespace gnomon {
 
-/// What a worker is to hold: one technique with its settings, on one scene.
+/// What a worker serves: one technique with its settings, on one scene.
 struct TechniqueOnScene {
   std::filesystem::path scene_file;  ///< with scene_bytes
   std::string technique, settings;   ///< id; "a=1,b=2"
@@ -25,7 +17,7 @@ struct TechniqueOnScene {
 struct SceneLightAndView {
   std::vector<std::size_t> lights = {0};  ///< indices in the scene
   std::size_t view = 0;
-  std::string path = {};  ///< its name; empty: both stand still
+  std::string path = {};  ///< its name; empty: neither moves
   int path_frame = 0;
 };
 /// The same, but they need not be the scene's.
@@ -48,7 +40,7 @@ struct FrameRequest {
   std::variant<SceneLightAndView, FreeLightAndView> seen;
 };
 
-/// What the technique says of a frame before it does anything.
+/// The technique's support of a frame, before it does anything.
 struct FrameReply {
   Support support;
   std::vector<Support> lights;  ///< each; one that is unsupported beside others casts no shadows
@@ -70,17 +62,16 @@ struct MaskReply {
   std::optional<GlInputs> gl;    ///< with OpenGL
 };
 
-/// One worker, asked and answered in types: load, go to a frame, do stages, read what came out. Calls wait for their answer and
-/// come from one thread, but for `interrupt`. Whatever goes wrong on the worker's side (no program, a crash, a hang, an
-/// exception, an answer of another shape or size, a mask outside 0 .. 1) is a WorkerFailure with its reason; the worker has
-/// ended then.
+/// A typed client of one worker: load, go to a frame, do stages, read the results. Calls wait for their answer and come from
+/// one thread, except `interrupt`. Any failure on the worker's side (no program, a crash, a hang, an exception, an answer of
+/// another shape or size, a mask outside 0 .. 1) is a WorkerFailure with its reason; the worker has ended then.
 class WorkerClient {
  public:
   /// Starts the process. Files between both sides are named `files` and an ending: "scratch/0" gives scratch/0.mask. An answer
   /// may take `timeout_seconds`.
   WorkerClient(const WorkerOptions& options, std::filesystem::path files, double timeout_seconds);
 
-  /// Both parts of a load, so that several workers can be at it at once.
+  /// Both parts of a load, so that several workers can load at the same time.
   void begin_load(const TechniqueOnScene& what);
   void end_load();
   void load(const TechniqueOnScene& what) {
@@ -89,7 +80,7 @@ class WorkerClient {
   }
   /// After a load; nothing for a technique that does not draw.
   const std::optional<WorkerGl>& gl() const { return gl_; }
-  /// Other settings of the same technique: what they spoil is out of date, the rest stays.
+  /// Other settings of the same technique: the stages that they spoil are out of date, the others stay.
   void set(const std::string& settings);
   FrameReply frame(const FrameRequest& request);
 
@@ -104,7 +95,7 @@ class WorkerClient {
   /// Draws the frame's bare pass so many times in a row, at most most_floor_times. Milliseconds of all together; other
   /// clocks as above.
   double time_floor(int times);
-  /// How the card is doing now: WorkerGl::card.
+  /// Present state of the card: WorkerGl::card.
   std::optional<Json> card();
   /// Does what is out of date up to this stage.
   void bring_up(Stage stage);
@@ -112,28 +103,27 @@ class WorkerClient {
   // Each brings up what it needs first.
   std::vector<float> mask();
   MaskReply answer();
-  /// What the technique says of pixels of the last answer under one of the frame's lights, one for each; nothing where it says
-  /// nothing.
+  /// The technique's explanations of pixels of the last answer under one of the frame's lights, one for each; nothing where it
+  /// has none.
   std::vector<std::optional<Explanation>> explain(std::span<const std::uint32_t> pixels, std::size_t light = 0);
   /// Three linear floats a pixel of the frame.
   std::vector<float> debug_layer(const std::string& name, std::size_t light = 0);
-  /// Technique::global_picture under one of the frame's lights, its size and values looked at.
+  /// Technique::global_picture under one of the frame's lights, its size and values checked.
   std::optional<std::vector<float>> global_picture(std::size_t light = 0);
   /// Of the last relight.
   SurfaceDetail surface_detail(std::size_t light = 0);
 
-  /// How much of the present stage is done, 0 .. 1, where its technique tells (gnomon/kit/progress.h), else 0. From any
-  /// thread.
+  /// The share of the present stage that is done, 0 .. 1, where its technique reports it (gnomon/kit/progress.h), else 0. From
+  /// any thread.
   double progress() const;
 
   /// From any thread: ends the worker; a call that waits fails at once.
   void interrupt() { process_.interrupt(); }
 
  private:
-  template <class Request>
-  typename Request::Reply ask(const Request& request);
   template <class Read>
   auto checked(const Read& read);
+  std::vector<float> read_mask();
   std::filesystem::path file(const char* ending) const;
 
   std::filesystem::path files_;
@@ -147,8 +137,8 @@ class WorkerClient {
   int fresh_count_ = 0;
 };
 
-/// The machine_context of a program that is to work for this one. Throws Error when it cannot be started, is no gnomon, or
-/// speaks another protocol.
+/// The machine_context of a program that serves this one. Throws Error when it cannot be started, is no gnomon, or has another
+/// protocol.
 Json context_of_program(const WorkerOptions& options);
 
 }  // namespace gnomon

@@ -1,24 +1,18 @@
 #include "measure/worker/worker_device.h"
 
-#include <gnomon/error.h>
-
-#include <chrono>
-
 #include "device/card.h"
+#include "measure/progress.h"
 
 namespace gnomon {
 
+void for_each_field(MaybeConst<CardState> auto& r, const auto& use) {
+  use("name", r.name, "driver", r.driver, "graphics_mhz", r.graphics_mhz, "memory_mhz", r.memory_mhz);
+  use("power_w", r.power_w, "power_limit_w", r.power_limit_w, "celsius", r.celsius);
+}
+
 std::optional<Json> card_json(const GlInfo& info) {
   const auto state = info.is_software() ? std::nullopt : card_state(info.renderer);
-  if (!state) return std::nullopt;
-  const auto number = [](const std::optional<double>& value) { return value ? Json(*value) : Json(); };
-  return json_object({{"name", state->name},
-                      {"driver", state->driver},
-                      {"graphics_mhz", number(state->graphics_mhz)},
-                      {"memory_mhz", number(state->memory_mhz)},
-                      {"power_w", number(state->power_w)},
-                      {"power_limit_w", number(state->power_limit_w)},
-                      {"celsius", number(state->celsius)}});
+  return state ? std::optional(written(*state)) : std::nullopt;
 }
 
 TimedBarePass::TimedBarePass(Floor floor, const Scene& scene, const GBuffer& gbuffer) : pass_(floor, scene, gbuffer) {
@@ -27,17 +21,15 @@ TimedBarePass::TimedBarePass(Floor floor, const Scene& scene, const GBuffer& gbu
 
 FloorRequest::Reply TimedBarePass::time(int times, DeviceStopwatch* stopwatch) const {
   if (!(times >= 1 && times <= most_floor_times)) throw Error("times = {} is outside 1 .. {}", times, most_floor_times);
-  using Clock = std::chrono::steady_clock;
-  pass_.draw(1);  // what it draws has come up when the clock starts
+  pass_.draw(1);  // everything it draws has been prepared when the clock starts
   glFinish();
-  const auto start = Clock::now();
+  const auto start = std::chrono::steady_clock::now();
   if (stopwatch) stopwatch->start();
   pass_.draw(times);
   if (stopwatch) stopwatch->stop();
   glFinish();
-  FloorRequest::Reply result{.ms = std::chrono::duration<double, std::milli>(Clock::now() - start).count(), .device_ms = {}};
-  if (stopwatch) result.device_ms = stopwatch->milliseconds();
-  return result;
+  const double ms = 1000 * seconds_since(start);
+  return {.ms = ms, .device_ms = stopwatch ? stopwatch->milliseconds() : std::nullopt};
 }
 
 }  // namespace gnomon

@@ -1,4 +1,6 @@
 #pragma once
+#include <gnomon/kit/gl/gl.h>
+
 #include "device/bare_pass.h"
 #include "device/context.h"
 #include "device/stopwatch.h"
@@ -6,9 +8,9 @@
 
 namespace gnomon {
 
-// What a worker that draws says of its device, as the protocol has it.
+// The device of a worker that draws: its state, bare passes and uploads.
 
-/// How the card is doing: name, driver, graphics_mhz and so on. Nothing where the processor draws, or nobody knows.
+/// State of the card: name, driver, graphics_mhz and so on. Nothing where the processor draws, or it is unknown.
 std::optional<Json> card_json(const GlInfo& info);
 
 /// A frame's bare pass, drawn once before it is timed: drivers compile at the first draw.
@@ -20,6 +22,47 @@ class TimedBarePass {
 
  private:
   BarePass pass_;
+};
+
+/// Uploads of a worker's scene and frames to OpenGL: geometry by stages, the picture's outside of them, and a count of those
+/// that break this rule.
+class StagedInputs {
+ public:
+  /// Before the clock of a stage starts. Geometry that changed is uploaded by the technique's build; the inputs of the picture
+  /// are uploaded before resolve.
+  void prepare(Stage stage, const Scene& scene, const GBuffer& gbuffer) {
+    if (stage == Stage::build) forget_scene(scene);
+    if (stage == Stage::resolve) {
+      gbuffer_textures(gbuffer, scene);
+      for (const Truth sees : {Truth::shape, Truth::mesh})
+        if (uses_depth_stencil(sees)) depth_stencil(scene, gbuffer, sees);
+    }
+    glFinish();
+    before_ = uploaded_scene_bytes();
+  }
+  /// Does work that is no technique's and may need the triangles; they are gone after it unless they were there before.
+  template <class Work>
+  auto beside(const Scene& scene, const Work& work) {
+    const bool was_there = uploaded_scene(scene) != nullptr;
+    before_ = uploaded_scene_bytes();
+    auto outcome = work();
+    end_stage();
+    if (!was_there) forget_scene(scene);
+    return outcome;
+  }
+  void end_stage() { staged_ += uploaded_scene_bytes() - before_; }
+
+  GlInputs facts(const Scene& scene, const GBuffer& gbuffer) const {
+    const UploadCost picture = picture_uploads(scene, gbuffer);
+    const SceneBuffers* const triangles = uploaded_scene(scene);
+    return {.input_bytes = picture.bytes,
+            .upload_ms = picture.ms,
+            .geometry_bytes = triangles ? triangles->bytes : 0,
+            .loose_bytes = uploaded_scene_bytes() - staged_};
+  }
+
+ private:
+  std::uint64_t before_ = 0, staged_ = 0;  ///< bytes of triangles
 };
 
 }  // namespace gnomon

@@ -1,27 +1,11 @@
 #include "measure/worker/worker_frame_maker.h"
 
-#include <gnomon/error.h>
-
-#include "measure/worker/shared_count.h"
+#include "measure/worker/worker_client.h"
 
 namespace gnomon {
 
-namespace fs = std::filesystem;
-
-namespace {
-
 /// Far more than any picture takes: it ends a worker that hangs, no slow one.
 constexpr double longest_trace_seconds = 3600;
-
-/// View and light of the frame, without a light where its G-buffer is wanted.
-std::vector<std::byte> view_and_light_bytes(const MissingFrame& missing) {
-  Scene holder;
-  holder.views = {missing.key.view};
-  if (missing.light) holder.lights = {*missing.light};
-  return scene_bytes(holder);
-}
-
-}  // namespace
 
 TraceWatch shown_on(Progress& progress, std::string scene) {
   return [&progress, scene = std::move(scene)](const MissingFrame& missing, double share) {
@@ -33,17 +17,17 @@ TraceWatch shown_on(Progress& progress, std::string scene) {
   };
 }
 
-fs::path WorkerFrameMaker::file(const char* ending) {
+std::filesystem::path WorkerFrameMaker::file(const char* ending) {
   if (files_.empty()) files_ = scratch_.emplace(ScratchFolder::temporary("gnomon-frames")).path() / "frame";
-  return fs::path(files_) += fmt::format(".{}", ending);
+  return std::filesystem::path(files_) += fmt::format(".{}", ending);
 }
 
 std::vector<std::byte> WorkerFrameMaker::make(const MissingFrame& missing) {
-  const std::vector<std::byte> view_and_light = view_and_light_bytes(missing);
-  const std::string_view truth = name(missing.key.truth);
-  const std::string frame =
-      fmt::format("{} {} {} {} {} {} {} {}", content_hash(view_and_light), missing.key.width, missing.key.height, truth,
-                  missing.target.error, missing.target.cap, missing.subpixel_bits, missing.global_samples);
+  const std::vector<Light> lights = missing.light ? std::vector{*missing.light} : std::vector<Light>();  // none: a G-buffer
+  const std::vector<std::byte> view_and_light = light_and_view_bytes(lights, missing.key.view);
+  const std::string frame = fmt::format("{} {} {} {} {} {} {} {}", content_hash(view_and_light), missing.key.width,
+                                        missing.key.height, name(missing.key.truth), missing.target.error, missing.target.cap,
+                                        missing.subpixel_bits, missing.global_samples);
   if (const auto failure = failures_.find(frame); failure != failures_.end()) throw WorkerFailure(failure->second);
   write_file(file("view_and_light"), view_and_light);
   const TraceRequest request{.scene = missing.scene_file.string(),

@@ -1,28 +1,21 @@
 #pragma once
-#include <filesystem>
-#include <functional>
-#include <map>
-#include <optional>
-#include <string>
-
 #include "measure/frame/frame.h"
 #include "measure/progress.h"
-#include "measure/scratch_folder.h"
 #include "measure/worker/worker_process.h"
 
 namespace gnomon {
 
-/// Told again and again while a frame is traced: which, and the share of its pixels that is through, 0 where nobody counts.
-/// Once it is made, or cannot be, the share is 1.
+/// Called ten times a second while a frame is traced, with the frame and the share of its pixels that is done, 0 where it is
+/// not counted. Once the frame is made, or cannot be, the share is 1.
 using TraceWatch = std::function<void(const MissingFrame& missing, double share)>;
 
-/// Shows on a bar what is traced of a scene, which people call so. The bar must outlive it.
+/// Shows the tracing of a scene of this name on a bar. The bar must outlive it.
 TraceWatch shown_on(Progress& progress, std::string scene);
 
-/// Has frames traced by a worker, so that a scene which brings the ray tracer down costs its own rows only. The worker starts
-/// when a frame is missing, and stays for the next one. Where a signal ends it, which may have come from outside, another one
-/// tries once more. A frame that could not be made is a WorkerFailure with its reason, "the reference crashed in trace: ...",
-/// and is not asked for again.
+/// Has frames traced by a worker, so that a scene which crashes the ray tracer costs its own rows only. The worker starts when
+/// a frame is missing, and stays for the next one. Where a signal ends it, which may have come from outside, another one tries
+/// once more. A frame that could not be made is a WorkerFailure with its reason, "the reference crashed in trace: ...", and is
+/// not tried again.
 class WorkerFrameMaker final : public FrameMaker {
  public:
   /// Files between both sides are named `files` and an ending; empty: they lie in a folder for temporary files. `program` is
@@ -33,7 +26,7 @@ class WorkerFrameMaker final : public FrameMaker {
 
  private:
   std::filesystem::path file(const char* ending);
-  /// What the request leaves in the file for frames.
+  /// The bytes that the worker wrote for the request.
   std::vector<std::byte> ask(TraceRequest request, const MissingFrame& missing);
 
   std::optional<WorkerProcess> process_;
@@ -41,7 +34,7 @@ class WorkerFrameMaker final : public FrameMaker {
   std::string program_;
   TraceWatch watch_;
   std::optional<ScratchFolder> scratch_;
-  std::map<std::string, std::string> failures_;  ///< reasons, by the hash of what was asked
+  std::map<std::string, std::string> failures_;  ///< reasons, by the hash of the frame
 };
 
 }  // namespace gnomon

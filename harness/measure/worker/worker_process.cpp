@@ -1,7 +1,6 @@
 #include "measure/worker/worker_process.h"
 
 #include <fcntl.h>
-#include <gnomon/error.h>
 #include <poll.h>
 #include <signal.h>
 #include <sys/mman.h>
@@ -11,13 +10,12 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <algorithm>
+#include <chrono>
 #include <cstring>
-#include <fstream>
 
+#include "measure/child_process.h"
 #include "measure/keeper.h"
 #include "measure/paths.h"
-#include "measure/printable.h"
 #include "measure/program/program_files.h"
 #include "measure/worker/machine_context.h"
 
@@ -29,26 +27,27 @@ using Clock = std::chrono::steady_clock;
 
 constexpr std::size_t most_line_bytes = 4 << 20;
 
-/// The file whose processes the workers are. Throws WorkerFailure when it cannot be started: said here, because a failed exec
-/// has nothing but an exit status to say it with.
+/// The file that the workers run. Throws WorkerFailure when it cannot be started: here, because a failed exec reports nothing
+/// but an exit status.
 std::string program_to_start(const WorkerOptions& options) {
   constexpr std::string_view advice = "start again when it is in place; rows that are done are safe";
   std::string program = options.program.empty() ? program_path().string() : options.program;
   constexpr std::string_view gone = " (deleted)";  // as Linux marks the file of a running program that was removed or replaced
-  if (options.program.empty() && program.ends_with(gone) && access(program.c_str(), F_OK) != 0)
+  if (options.program.empty() && program.ends_with(gone) && access(program.c_str(), F_OK) != 0) {
+    program.erase(program.size() - gone.size());
     throw WorkerFailure(
         fmt::format("no worker could be started: program {} was removed or replaced while it ran (is it being "
                     "built?): {}",
-                    program.substr(0, program.size() - gone.size()), advice));
+                    program, advice));
+  }
   if (access(program.c_str(), X_OK) != 0)
     throw WorkerFailure(fmt::format("no worker could be started: program {}: {}: {}", program, std::strerror(errno), advice));
   return program;
 }
 
-/// What a worker's environment has in place of its owner's.
-std::vector<std::pair<std::string_view, std::string>> set_here(const WorkerOptions& options) {
-  std::vector<std::pair<std::string_view, std::string>> variables;
-  if (options.threads > 0) variables.emplace_back("LP_NUM_THREADS", std::to_string(options.threads));
+/// The variables of a worker's environment that differ from its owner's.
+Launch::Variables set_here(const WorkerOptions& options) {
+  Launch::Variables variables{{"LP_NUM_THREADS", options.threads > 0 ? std::to_string(options.threads) : ""}};
   if (!options.keeps_shaders && !environment_keeps_shaders()) {  // the drivers of Mesa and NVIDIA
     variables.emplace_back("MESA_SHADER_CACHE_DISABLE", "true");
     variables.emplace_back("__GL_SHADER_DISK_CACHE", "0");
@@ -57,55 +56,33 @@ std::vector<std::pair<std::string_view, std::string>> set_here(const WorkerOptio
   return variables;
 }
 
-/// Environment and arguments are prepared before the fork: between fork and exec only plain system calls are safe.
-struct WorkerLaunch {
-  std::string program;
-  std::vector<std::string> arguments, environment;
-  std::vector<char*> argv, envp;
-
-  WorkerLaunch(const WorkerOptions& options, int socket) : program(program_to_start(options)) {
-    arguments = {program};
-    for (const std::string& plugin : options.plugins) arguments.insert(arguments.end(), {load_option(plugin), plugin});
-    arguments.insert(arguments.end(), {options.command, std::to_string(socket), std::to_string(options.threads)});
-    const auto variables = set_here(options);
-    for (char** entry = environ; *entry; ++entry) {
-      const std::string_view name = std::string_view(*entry).substr(0, std::string_view(*entry).find('='));
-      const bool is_replaced = std::ranges::any_of(variables, [&](const auto& variable) { return variable.first == name; });
-      if (!is_replaced && name != "LP_NUM_THREADS") environment.emplace_back(*entry);
-    }
-    for (const auto& [name, value] : variables) environment.push_back(fmt::format("{}={}", name, value));
-    for (std::string& a : arguments) argv.push_back(a.data());
-    for (std::string& e : environment) envp.push_back(e.data());
-    argv.push_back(nullptr);
-    envp.push_back(nullptr);
-  }
-};
+std::vector<std::string> command_of(const WorkerOptions& options, int socket) {
+  std::vector<std::string> words = {program_to_start(options)};
+  for (const std::string& plugin : options.plugins) words.insert(words.end(), {load_option(plugin), plugin});
+  words.insert(words.end(), {options.command, std::to_string(socket), std::to_string(options.threads)});
+  return words;
+}
 
 void enter_worker(int threads) {
   setsid();  // no terminal
   const int nothing = open("/dev/null", O_RDWR);
-  dup2(nothing, STDIN_FILENO);
-  dup2(nothing, STDOUT_FILENO);
+  for (const int standard : {STDIN_FILENO, STDOUT_FILENO}) dup2(nothing, standard);
   if (threads > 0) {
-    // The first cores of those that this process may use: a shard or a batch system may have given it a few only.
+    // The first of the cores that this process may use: a shard or a batch system may allow it only a few.
     cpu_set_t allowed, cores;
     CPU_ZERO(&cores);
     bool pinned = sched_getaffinity(0, sizeof allowed, &allowed) == 0;
-    int left = threads;
-    for (int k = 0; k < CPU_SETSIZE && pinned && left > 0; ++k) {
-      if (!CPU_ISSET(k, &allowed)) continue;
-      CPU_SET(k, &cores);
-      --left;
-    }
-    pinned = pinned && left == 0 && sched_setaffinity(0, sizeof cores, &cores) == 0;
+    for (int k = 0; k < CPU_SETSIZE && pinned && CPU_COUNT(&cores) < threads; ++k)
+      if (CPU_ISSET(k, &allowed)) CPU_SET(k, &cores);
+    pinned = pinned && CPU_COUNT(&cores) == threads && sched_setaffinity(0, sizeof cores, &cores) == 0;
     if (!pinned) {
       dprintf(STDERR_FILENO, "this process may not use %d cores\n", threads);
       _exit(126);
     }
   }
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // their shadow memory alone is over any limit
-  // A technique that eats all memory gets an exception in its own process instead of taking the machine down. Not addresses are
-  // counted but what may be written: drivers of GPUs reserve far more addresses than there is memory.
+  // A technique that exhausts memory gets an exception in its own process, and the machine keeps running. The limit counts what
+  // may be written, not addresses: drivers of GPUs reserve far more addresses than there is memory.
   struct sysinfo memory {};
   sysinfo(&memory);
   const rlim_t most = static_cast<rlim_t>(memory.totalram) * memory.mem_unit / 10 * 9;
@@ -120,33 +97,18 @@ void enter_worker(int threads) {
 
 std::string load_option(const std::string& path) { return path.ends_with(".toml") ? "--program" : "--plugin"; }
 
-bool write_line(int socket, const std::string& line) {
-  const std::string bytes = line + '\n';
-  for (std::size_t sent = 0; sent < bytes.size();) {
-    const ssize_t n = send(socket, bytes.data() + sent, bytes.size() - sent, MSG_NOSIGNAL);
-    if (n < 0 && errno == EINTR) continue;
-    if (n < 0) return false;
-    sent += static_cast<std::size_t>(n);
-  }
-  return true;
-}
-
 WorkerProcess::WorkerProcess(const WorkerOptions& options) : options_(options) {
   int sockets[2];
   if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, sockets) != 0)
     throw Error("no socket for a worker: {}", std::strerror(errno));
   socket_ = sockets[0];
   errors_ = memfd_create("worker-stderr", MFD_CLOEXEC);
-  const auto close_ours = [&] {
-    close(socket_);
-    close(errors_);
-  };
   try {
-    WorkerLaunch launch(options, sockets[1]);
+    const Launch launch(command_of(options, sockets[1]), set_here(options));
     const auto body = [&] {
       enter_worker(options.threads);
       fcntl(sockets[1], F_SETFD, 0);
-      execve(launch.program.c_str(), launch.argv.data(), launch.envp.data());
+      execve(launch.argv[0], launch.argv.data(), launch.envp.data());
       dprintf(STDERR_FILENO, "program %s cannot be started: %s\n", launch.argv[0], std::strerror(errno));
       _exit(127);
     };
@@ -154,8 +116,7 @@ WorkerProcess::WorkerProcess(const WorkerOptions& options) : options_(options) {
     const int code = errno;
     if (process_ < 0) throw Error("no process for a worker: {}", std::strerror(code));
   } catch (...) {
-    close(sockets[1]);
-    close_ours();
+    for (const int descriptor : {sockets[1], socket_, errors_}) close(descriptor);
     throw;
   }
   close(sockets[1]);
@@ -180,7 +141,7 @@ void WorkerProcess::interrupt() {
 
 void WorkerProcess::send(const Json& request) {
   doing_ = plain_text(request[request.contains("stage") ? "stage" : "do"]);
-  write_line(socket_, json_text(request));  // where the worker is gone, receive() says how
+  write_line(socket_, json_text(request));  // where the worker is gone, receive() reports how
 }
 
 Json WorkerProcess::receive(double timeout_seconds, const std::function<void()>& meanwhile) {
@@ -204,27 +165,19 @@ Json WorkerProcess::receive(double timeout_seconds, const std::function<void()>&
       continue;
     }
     if (ready == 0) fail(fmt::format("hung in {}: no answer within {:g} s", doing_, timeout_seconds));
-    char chunk[65536];
-    const ssize_t n = ::read(socket_, chunk, sizeof chunk);
-    if (n < 0 && errno == EINTR) continue;
-    if (n <= 0) fail_as_it_ended();
     if (pending_.size() > most_line_bytes) fail(fmt::format("answered {} with a line without an end", doing_));
-    pending_.append(chunk, static_cast<std::size_t>(n));
+    if (!read_more(socket_, pending_)) fail_as_it_ended();
   }
 }
 
-/// The socket is closed, so the worker is gone or soon will be; one that lingers is put down.
+/// The socket is closed, so the worker is gone or soon will be; one that lingers is killed.
 void WorkerProcess::fail_as_it_ended() {
   if (is_interrupted_) fail(fmt::format("was interrupted in {}", doing_));
   int status = 0;
-  bool is_gone = false;
-  for (int wait = 0; wait < 100 && !is_gone; ++wait) {
-    is_gone = has_ended(process_, status);
-    if (!is_gone) usleep(10000);
-  }
-  if (!is_gone) fail(fmt::format("crashed in {}: it closed its connection and went on", doing_));
+  if (!comes_within(1000, [&] { return has_ended(process_, status); }))
+    fail(fmt::format("crashed in {}: it closed its connection and went on", doing_));
   process_ = -1;
-  constexpr int not_started = 127;  // what is left where exec fails: the program may have gone since it was looked at
+  constexpr int not_started = 127;  // what is left where exec fails: the program may have gone since it was checked
   if (WIFEXITED(status) && WEXITSTATUS(status) == not_started) program_to_start(options_);
   if (WIFSIGNALED(status))
     fail<WorkerCrash>(fmt::format("crashed in {}: {} (signal {})", doing_, strsignal(WTERMSIG(status)), WTERMSIG(status)));
@@ -233,20 +186,14 @@ void WorkerProcess::fail_as_it_ended() {
 
 std::string WorkerProcess::ended(const std::string& how) {
   end_process();
-  const std::string words = last_words();
-  return printable(words.empty() ? how : how + "; it said: " + words);
-}
-
-/// The last line that the worker wrote to its stderr, shortened.
-std::string WorkerProcess::last_words() const {
-  char text[400];
+  char text[400];  // of the last line on its stderr, shortened
   const off_t size = lseek(errors_, 0, SEEK_END);
   const off_t from = std::max<off_t>(0, size - static_cast<off_t>(sizeof text));
   const ssize_t n = pread(errors_, text, sizeof text, from);
   std::string words(text, n > 0 ? static_cast<std::size_t>(n) : 0);
   while (!words.empty() && std::isspace(static_cast<unsigned char>(words.back()))) words.pop_back();
   if (const std::size_t start = words.rfind('\n'); start != std::string::npos) words.erase(0, start + 1);
-  return words;
+  return printable(words.empty() ? how : how + "; it said: " + words);
 }
 
 }  // namespace gnomon

@@ -1,12 +1,6 @@
 #pragma once
 #include <atomic>
-#include <chrono>
-#include <filesystem>
 #include <functional>
-#include <memory>
-#include <stdexcept>
-#include <string>
-#include <vector>
 
 #include "measure/worker/protocol.h"
 
@@ -26,12 +20,12 @@ class WorkerCrash : public WorkerFailure {
 std::string load_option(const std::string& path);
 
 struct WorkerOptions {
-  int threads = 0;  ///< pins the worker to this many cores and tells llvmpipe, Embree and TBB before any starts; 0: all
+  int threads = 0;  ///< pins the worker to this many cores, and limits llvmpipe, Embree and TBB before any starts; 0: all
   std::vector<std::string> plugins;  ///< files of plugins, and of programs as techniques
-  std::string program = {};          ///< whose processes the workers are; empty: this one
+  std::string program = {};          ///< file that the workers run; empty: this program
   std::string program_folder = {};   ///< for files between the worker and a technique that is a program; empty: one of its own
-  std::string command = "worker";    ///< of the program: what its processes are there for
-  /// Drivers may keep compiled shaders on the disk. False: every setup compiles them, unless the environment says otherwise.
+  std::string command = "worker";    ///< of the program, by which a process becomes a worker
+  /// Drivers may keep compiled shaders on the disk. False: every setup compiles them, unless the environment keeps them.
   bool keeps_shaders = false;
 };
 
@@ -42,8 +36,6 @@ class WorkerProcess {
   /// Throws WorkerFailure that names the program when there is none to start: it was moved, or is being built.
   explicit WorkerProcess(const WorkerOptions& options);
   ~WorkerProcess();
-  WorkerProcess(const WorkerProcess&) = delete;
-  WorkerProcess& operator=(const WorkerProcess&) = delete;
 
   void send(const Json& request);
   /// Waits for the answer to the last request; calls `meanwhile` ten times a second. Throws WorkerFailure, as `fail` does.
@@ -63,9 +55,9 @@ class WorkerProcess {
     send(request_json(request));
     return receive_reply<Request>(timeout_seconds, meanwhile);
   }
-  /// What it was asked to do last, a stage by its name, as reasons of failures say it: "relight".
+  /// The verb of the last request, of a stage its name, as reasons of failures quote it: "relight".
   const std::string& doing() const { return doing_; }
-  /// From any thread: ends the process, and whoever waits in `receive` gets its WorkerFailure at once.
+  /// From any thread: ends the process; a call of `receive` that waits throws its WorkerFailure at once.
   void interrupt();
   /// Ends the process and throws WorkerFailure, or one of its kinds, with this reason and the last line that the process wrote
   /// to its stderr.
@@ -79,16 +71,12 @@ class WorkerProcess {
   [[noreturn]] void fail_as_it_ended();
   /// Ends the process; the reason with its last words.
   std::string ended(const std::string& how);
-  std::string last_words() const;
 
   WorkerOptions options_;
   int process_ = -1;  ///< of the keeper; -1: it has ended
   int socket_ = -1, errors_ = -1;
-  std::atomic<bool> is_interrupted_ = false;
+  std::atomic<bool> is_interrupted_ = false;  ///< also makes the object uncopyable
   std::string pending_, doing_;
 };
-
-/// Writes the line and its end; whether the other side is there to take it.
-bool write_line(int socket, const std::string& line);
 
 }  // namespace gnomon

@@ -1,13 +1,12 @@
-#include "measure/worker/worker_roll.h"
-
+// Requests about techniques and scenes before any of them is opened.
 #include <gnomon/kit/bases/inner_technique.h>
 #include <gnomon/plugins.h>
 #include <gnomon/registry.h>
 
 #include "measure/program/described_technique.h"
-#include "measure/scene/blob.h"
 #include "measure/worker/requested_frame.h"
 #include "measure/worker/roll_protocol.h"
+#include "measure/worker/worker_server.h"
 
 namespace gnomon {
 
@@ -17,26 +16,19 @@ LoadRequest::Reply load(const LoadRequest& request) {
   try {
     load_plugin(request.plugin);
   } catch (const Error& error) {
-    return {.refused = error.what(), .techniques = {}, .scenes = {}, .facts = {}};
+    return {.refused = error.what(), .techniques = {}, .scenes = {}};
   }
-  LoadRequest::Reply reply;
+  LoadRequest::Reply reply{.techniques = {}, .scenes = {}, .facts = loaded_plugins().back()};
   for (const TechniqueEntry& entry : registry().techniques())
     if (entry.origin == request.plugin) reply.techniques.push_back(sheet_json(entry));
   for (const SceneEntry& entry : registry().scenes())
     if (entry.origin == request.plugin) reply.scenes.push_back(sheet_json(entry));
-  const PluginFacts& facts = loaded_plugins().back();
-  reply.facts = json_object({{"file", facts.file},
-                             {"build_type", facts.build_type},
-                             {"flags", facts.flags},
-                             {"compiler", facts.compiler},
-                             {"is_optimized", facts.is_optimized}});
   return reply;
 }
 
 const SceneEntry& scene_named(const std::string& id) {
-  const SceneEntry* const entry = registry().find_scene(id);
-  if (!entry) throw Error("there is no scene {}", id);
-  return *entry;
+  if (const SceneEntry* const entry = registry().find_scene(id)) return *entry;
+  throw Error("there is no scene {}", id);
 }
 
 DescribeRequest::Reply describe(const DescribeRequest& request) {
@@ -52,12 +44,10 @@ Done make_scene(const MakeSceneRequest& request) {
 }
 
 SupportsRequest::Reply supports(const SupportsRequest& request) {
-  static std::string file;  // scenes are asked about one after the other
+  static std::string file;  // requests come scene by scene
   static Scene scene;
-  if (request.scene != file) {
-    scene = scene_in(request.scene);
-    file = request.scene;
-  }
+  if (request.scene != file) scene = scene_in(request.scene);
+  file = request.scene;
   const auto technique = registry().technique(request.technique).make();
   technique->apply(request.settings);
   SupportsRequest::Reply reply;

@@ -6,22 +6,18 @@
 #include <gnomon/registry.h>
 #include <tbb/global_control.h>
 
-#include <algorithm>
-#include <cmath>
 #include <deque>
 
-#include "device/context.h"
 #include "measure/cause/causes.h"
 #include "measure/picture/detail_export.h"
 #include "measure/process_memory.h"
 #include "measure/program/elsewhere.h"
+#include "measure/progress.h"
 #include "measure/worker/counted_stage.h"
 #include "measure/worker/machine_context.h"
 #include "measure/worker/requested_frame.h"
 #include "measure/worker/shared_count.h"
-#include "measure/worker/staged_inputs.h"
 #include "measure/worker/worker_device.h"
-#include "measure/worker/worker_roll.h"
 
 namespace gnomon {
 
@@ -29,7 +25,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// Serves requests for one technique: it has the scene and the frame, and knows which stages are up to date.
+/// Serves requests for one technique: it has the scene, the frame, and the number of stages that are up to date.
 class TechniqueServer {
  public:
   TechniqueServer() {
@@ -57,7 +53,7 @@ class TechniqueServer {
   Json handle(const Json& request) const { return answers_(request); }
 
  private:
-  /// What only a worker with a technique can answer.
+  /// Of a request that requires a technique.
   template <class Request, class Answer>
   void on(Answer answer) {
     answers_.on<Request>([this, answer](const Request& request) {
@@ -118,7 +114,7 @@ class TechniqueServer {
     return reply;
   }
 
-  /// A mask for each light, and an object for each that the technique supports. What it says of each.
+  /// Makes a mask for each light, and an object for each that the technique supports. Returns its support of each.
   std::vector<Support> hold_objects(const FrameKey& key) {
     const auto technique = entry_->make();
     technique->apply(settings_);
@@ -134,7 +130,7 @@ class TechniqueServer {
       if (!supports.back()) std::ranges::fill(masks_.back().pixels(), 1.0f);
     }
     if (objects_->hold(lit_.size())) fresh_ = -1;
-    // What a technique supports may depend on the view: an object then stands for another light, or is new.
+    // What a technique supports may depend on the view: an object then belongs to another light, or is new.
     if (lit_ != before) fresh_ = std::min(fresh_, static_cast<int>(Stage::build));
     return supports;
   }
@@ -167,26 +163,24 @@ class TechniqueServer {
   TimeRequest::Reply time_stage(const TimeRequest& request) {
     if (request.iterations < 1) throw Error("iterations = {} is below 1", request.iterations);
     if (request.stage > Stage::setup) bring_up(static_cast<Stage>(static_cast<int>(request.stage) - 1));
-    double own_sum = 0, harness_sum = 0;
+    double harness_sum = 0;
     bool is_own = false;
-    TimeRequest::Reply reply{.ms = 0, .iterations = 0, .device_ms = 0, .harness_ms = {}};
+    TimeRequest::Reply reply{.device_ms = 0};
     const auto start = Clock::now();
-    const std::chrono::duration<double> longest(longest_portion_seconds);
     do {
       const StageTime time = this->time(request.stage);
       harness_sum += time.harness_ms;
-      own_sum += time.own_ms.value_or(time.harness_ms);
+      reply.ms += time.own_ms.value_or(time.harness_ms);
       is_own = is_own || time.own_ms;
       const auto device_ms = stopwatch_ ? stopwatch_->milliseconds() : std::nullopt;
       reply.device_ms = reply.device_ms && device_ms ? std::optional(*reply.device_ms + *device_ms) : std::nullopt;
       ++reply.iterations;
-    } while (reply.iterations < request.iterations && Clock::now() - start < longest);
-    reply.ms = own_sum;
+    } while (reply.iterations < request.iterations && seconds_since(start) < longest_portion_seconds);
     if (is_own) reply.harness_ms = harness_sum;
     return reply;
   }
 
-  /// The bare pass that the technique names, so many times in a row.
+  /// The bare pass of the data sheet, so many times in a row.
   FloorRequest::Reply floor(int times) {
     return inputs_.beside(scene_, [&] {
       if (!bare_pass_) bare_pass_.emplace(entry_->about.floor, scene_, gbuffer_);
@@ -204,7 +198,7 @@ class TechniqueServer {
     double harness_ms;
     std::optional<double> own_ms;  ///< by the technique's own clock, where it has one
   };
-  /// Does one stage; what follows it is out of date then.
+  /// Does one stage; the later ones are out of date then.
   StageTime time(Stage stage) {
     if (stage >= Stage::relight && masks_.empty()) throw Error("a worker cannot {} before it has a frame", name(stage));
     if (stage >= Stage::relight && lit_.empty())
@@ -226,8 +220,8 @@ class TechniqueServer {
     if (uses_gl_) glFinish();
     const double ms = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
     counted.reset();
-    if (uses_gl_)
-      if (const GLenum code = glGetError(); code != GL_NO_ERROR) throw Error("OpenGL error {:#x}", code);
+    if (const GLenum code = uses_gl_ ? glGetError() : GLenum{GL_NO_ERROR}; code != GL_NO_ERROR)
+      throw Error("OpenGL error {:#x}", code);
     fresh_ = static_cast<int>(stage);
     if (uses_gl_) inputs_.end_stage();
     if (own_ms && !(*own_ms >= 0 && *own_ms <= ms))
@@ -245,10 +239,8 @@ class TechniqueServer {
 
   AnswerRequest::Reply answer(const std::string& path) {
     write_mask(path);
-    AnswerRequest::Reply reply{.counts = {},
-                               .peak_bytes = static_cast<std::uint64_t>(peak_bytes()),
-                               .maker = {}};  // counting may build or draw once more
-    reply.counts = objects_->counts();
+    const auto peak = static_cast<std::uint64_t>(peak_bytes());  // first: counting may build or draw once more
+    AnswerRequest::Reply reply{.counts = objects_->counts(), .peak_bytes = peak};
     if (uses_gl_) {
       reply.gl = inputs_.facts(scene_, gbuffer_);
       for (Count& count : reply.counts)
@@ -260,19 +252,20 @@ class TechniqueServer {
     return reply;
   }
 
-  /// Asks the technique about the listed pixels (uint32 indices) and writes its explanations.
+  /// Writes the technique's explanations of the listed pixels (uint32 indices).
   ExplainRequest::Reply explain(const ExplainRequest& request) {
     Technique* const technique = object_of(request.light);
     bring_up(Stage::resolve);
     const auto file = MappedFile::open(request.pixels);
-    const std::size_t count = file->bytes().size() / sizeof(std::uint32_t);
-    const auto* index = reinterpret_cast<const std::uint32_t*>(file->bytes().data());
-    for (std::size_t k = 0; k < count; ++k)
-      if (index[k] >= gbuffer_.size()) throw Error("there is no pixel {}: the picture has {}", index[k], gbuffer_.size());
+    const std::span pixels(reinterpret_cast<const std::uint32_t*>(file->bytes().data()),
+                           file->bytes().size() / sizeof(std::uint32_t));
+    for (const std::uint32_t pixel : pixels)
+      if (pixel >= gbuffer_.size()) throw Error("there is no pixel {}: the picture has {}", pixel, gbuffer_.size());
     const Explanation not_covered{.covered = false, .taps = {}, .shifted = {}, .element = {}};
     const auto explanations =
-        technique ? explain_all(*technique, {index, count}) : std::vector<std::optional<Explanation>>(count, not_covered);
-    if (explanations.size() != count) throw Error("{} explanations came for {} pixels", explanations.size(), count);
+        technique ? explain_all(*technique, pixels) : std::vector<std::optional<Explanation>>(pixels.size(), not_covered);
+    if (explanations.size() != pixels.size())
+      throw Error("{} explanations came for {} pixels", explanations.size(), pixels.size());
     write_file(request.out, explanation_bytes(explanations));
     return {std::ranges::any_of(explanations, [](const auto& why) { return why.has_value(); })};
   }
@@ -300,7 +293,7 @@ class TechniqueServer {
     return {};
   }
 
-  /// Of one of the frame's lights; null where that casts no shadows.
+  /// The object of one of the frame's lights; null where that casts no shadows.
   Technique* object_of(std::size_t light) {
     if (light >= masks_.size()) throw Error("there is no light {}: the frame has {}", light, masks_.size());
     const auto found = std::ranges::find(lit_, light);
@@ -317,8 +310,8 @@ class TechniqueServer {
   std::string settings_;
   std::optional<LightObjects> objects_;
   bool uses_gl_ = false;
-  std::optional<SharedCount> progress_;         ///< what techniques tell of a stage under way
-  std::optional<DeviceStopwatch> stopwatch_;    ///< with GL, where the device's clock can be believed
+  std::optional<SharedCount> progress_;         ///< of the stage under way
+  std::optional<DeviceStopwatch> stopwatch_;    ///< with GL, where the device's clock is reliable
   std::string lit_by_;                          ///< of the lights that the technique was given last
   std::unique_ptr<std::vector<Light>> lights_;  ///< those lights
   std::deque<VisibilityMask> masks_;            ///< of each

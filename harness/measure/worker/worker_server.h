@@ -1,8 +1,5 @@
 #pragma once
-#include <functional>
-#include <map>
-#include <string>
-
+#include "measure/child_process.h"
 #include "measure/worker/protocol.h"
 
 namespace gnomon {
@@ -10,11 +7,7 @@ namespace gnomon {
 /// The worker's own side: answers requests on `socket` until it closes.
 int worker_main(int socket, int threads);
 
-/// Answers each line of JSON on `socket` by what `handle` makes of it, an exception by {"error": text}; ends the process when
-/// the other side is gone.
-[[noreturn]] void answer_lines(int socket, const std::function<Json(const Json&)>& handle);
-
-/// What a server answers, by the verb of the request.
+/// The answers of a server, by the verb of the request.
 class Answers {
  public:
   template <class Request, class Answer>
@@ -23,7 +16,7 @@ class Answers {
       return written(typename Request::Reply(answer(message_from<Request>(json, Request::verb))));
     };
   }
-  /// Throws Error on a request that nobody answers, or that is none.
+  /// Throws Error on a request that has no answer here, or is none.
   Json operator()(const Json& request) const {
     const std::string verb = request.at("do");
     const auto found = answers_.find(verb);
@@ -34,5 +27,8 @@ class Answers {
  private:
   std::map<std::string, std::function<Json(const Json&)>> answers_;
 };
+
+/// Answers requests about techniques and scenes before any of them is opened (roll_protocol.h).
+void answer_roll(Answers& answers);
 
 }  // namespace gnomon

@@ -16,11 +16,7 @@ constexpr Kind kinds[] = {{"growth", analysis::growth_tables}, {"front", analysi
 
 }  // namespace
 
-std::vector<std::string> analysis_kinds() {
-  std::vector<std::string> names;
-  for (const Kind& kind : kinds) names.emplace_back(kind.name);
-  return names;
-}
+std::vector<std::string> analysis_kinds() { return names_in(kinds); }
 
 Column quantity_column(const std::string& quantity) {
   for (Column& column : all_columns({}))
@@ -32,7 +28,7 @@ std::string analyze(std::span<const Record> records, const std::string& kind, co
                     const TableOptions& table) {
   require_word("there is no analysis", kind, analysis_kinds());
   AnalysisOptions wanted = options;
-  // Programs sort out for themselves what they want.
+  // Programs choose among the rows by themselves.
   wanted.all = wanted.all || format == Format::csv || format == Format::json;
   analysis::Tables tables = std::ranges::find(kinds, kind, &Kind::name)->tables(records, wanted, format);
   tables.back().provenance = provenance(records);

@@ -16,7 +16,7 @@ std::string field_heading(const Field& field, std::span<const Place> places, boo
   const std::string which = field.places == field.all_places ? fmt::format("all {}", field.places)
                                                              : fmt::format("those {} of {}", field.places, field.all_places);
   return fmt::format("over {} places{} that these settings finished: mean error, geometric mean cost{}", which,
-                     is_mixed ? lights_text(field.answer) : "", constant);
+                     is_mixed ? fmt::format(" under {}", lights_text(field.answer)) : "", constant);
 }
 
 /// The column of a cost in milliseconds or bytes.
@@ -41,7 +41,7 @@ bool has_floor(std::span<const Field> fields) {
   return std::ranges::any_of(fields, [&](const Field& field) { return std::ranges::any_of(field.candidates, is_floored); });
 }
 
-/// Where a field has a floor, it stands beside the error; the best constant mask stands above the rows.
+/// The floor, where a field has one, follows the error; people read the best constant mask above the rows.
 void add_error_columns(std::vector<Column>& columns, const Column& error, std::span<const Field> fields) {
   columns.push_back(error);
   if (has_floor(fields)) columns.push_back(quantity_column(error.name + "_floor"));
@@ -106,45 +106,13 @@ Layout table_of(std::span<const Field> fields, std::string title, std::vector<Co
   return table;
 }
 
-}  // namespace
-
-Tables front_tables(std::span<const Record> records, const AnalysisOptions& options, Format) {
-  const std::vector<Field> fields = find_fields(records, {.error = options.metric, .cost = options.cost});
-  const Column cost = cost_column(options.cost), error = quantity_column(options.metric);
-  const bool with_floor = has_floor(fields);
-  Layout table = table_of(fields, fmt::format("Front of {} against {}", with_unit(error), sentence(options.cost)),
-                          front_columns(error, cost, fields));
-  std::size_t hidden = 0;
-  for (std::size_t k = 0; k < fields.size(); ++k) {
-    const std::vector<FrontEntry> stands = find_front(fields[k], better(options.metric));
-    for (const std::size_t i : order_by_cost(fields[k])) {
-      const bool is_behind = stands[i].standing == Standing::beaten || stands[i].standing == Standing::constant;
-      if (options.all || !is_behind)
-        table.groups[k].rows.push_back({.cells = front_cells(fields[k], fields[k].candidates[i], stands[i], cost, with_floor)});
-      else
-        ++hidden;
-    }
-  }
-  table.notes.insert(table.notes.end(), {"front: no contender is at least as good in both and better in one",
-                                         "unclear: beaten by value, but the costs are not told apart",
-                                         "constant: errs as much as the best constant mask, or more",
-                                         "relative: cost over that of the cheapest contender of the group"});
-  if (options.cost != Cost::bytes) table.notes.emplace_back(interval_note);
-  add_error_notes(table, error, fields);
-  if (hidden > 0)
-    table.notes.push_back(fmt::format("{} settings that are beaten or constant are not shown; --all shows them", hidden));
-  return {table};
-}
-
-namespace {
-
 /// What `best` limits and shows: the columns of its quantities.
 struct BestColumns {
   Column error, time, bytes;
 };
 
-/// The budgets that were asked for, in the units of records; round ones where none was. Throws Error where there is none at
-/// all.
+/// The budgets of the options, in the units of records; round ones where there are none. Throws Error where there is no budget
+/// at all.
 Budgets budgets_of(const AnalysisOptions& options, const BestColumns& columns, std::span<const Field> fields) {
   const auto is_empty = [](const Budgets& b) { return b.times.empty() && b.memories.empty() && b.errors.empty(); };
   Budgets budgets{options.times, options.memories, options.errors};
@@ -201,6 +169,34 @@ Cells best_cells(const Field& field, const Best& best, const BestColumns& column
 }
 
 }  // namespace
+
+Tables front_tables(std::span<const Record> records, const AnalysisOptions& options, Format) {
+  const std::vector<Field> fields = find_fields(records, {.error = options.metric, .cost = options.cost});
+  const Column cost = cost_column(options.cost), error = quantity_column(options.metric);
+  const bool with_floor = has_floor(fields);
+  Layout table = table_of(fields, fmt::format("Front of {} against {}", with_unit(error), sentence(options.cost)),
+                          front_columns(error, cost, fields));
+  std::size_t hidden = 0;
+  for (std::size_t k = 0; k < fields.size(); ++k) {
+    const std::vector<FrontEntry> stands = find_front(fields[k], better(options.metric));
+    for (const std::size_t i : order_by_cost(fields[k])) {
+      const bool is_behind = stands[i].standing == Standing::beaten || stands[i].standing == Standing::constant;
+      if (options.all || !is_behind)
+        table.groups[k].rows.push_back({.cells = front_cells(fields[k], fields[k].candidates[i], stands[i], cost, with_floor)});
+      else
+        ++hidden;
+    }
+  }
+  table.notes.insert(table.notes.end(), {"front: no contender is at least as good in both and better in one",
+                                         "unclear: beaten by value, but the costs are not told apart",
+                                         "constant: errs as much as the best constant mask, or more",
+                                         "relative: cost over that of the cheapest contender of the group"});
+  if (options.cost != Cost::bytes) table.notes.emplace_back(interval_note);
+  add_error_notes(table, error, fields);
+  if (hidden > 0)
+    table.notes.push_back(fmt::format("{} settings that are beaten or constant are not shown; --all shows them", hidden));
+  return {table};
+}
 
 Tables best_tables(std::span<const Record> records, const AnalysisOptions& options, Format) {
   if (options.cost == Cost::bytes)

@@ -61,7 +61,7 @@ Layout sweep_table(const Sweeps& sweeps, const Column& quantity, std::span<const
   return table;
 }
 
-/// What stands behind the cells without a value, and what is left out.
+/// Why cells have no value, and what is left out.
 std::vector<std::string> sweep_notes(const Sweeps& sweeps) {
   std::size_t unsupported = 0, failed = 0, undefined = 0, absent = 0;
   for (const Sweep& sweep : sweeps.rows) {

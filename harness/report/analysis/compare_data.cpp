@@ -99,7 +99,7 @@ std::string comparison_json(const Comparison& comparison, const CompareTableOpti
   const CompareOptions& o = comparison.options;
   const Comparison::Counts n = comparison.counts();
   Json json;
-  json["schema"] = compare_schema;
+  json["schema"] = "gnomon-compare-1";
   json["base"] = options.base;
   json["contender"] = options.contender;
   json["options"] = {{"floor", o.floor},

@@ -25,10 +25,10 @@ std::string ratio_text(const StageChange& stage) {
   return stage.verdict == Verdict::not_judged ? rounded(stage.ratio->value, 3) : interval_text(*stage.ratio);
 }
 
-/// Base, contender and their difference, with as many digits as it takes to tell them apart.
+/// Base, contender and their difference, with as many digits as it takes to distinguish them.
 std::array<std::string, 3> metric_texts(const MetricChange& change) {
   const auto infos = metric_infos();
-  const auto info = std::find_if(infos.begin(), infos.end(), [&](const MetricInfo& m) { return m.name == change.metric; });
+  const auto info = std::ranges::find(infos, change.metric, &MetricInfo::name);
   const bool is_share = info != infos.end() && info->unit.empty();
   const double scale = is_share ? 100 : 1;
   const std::string unit = is_share ? " %" : "";
@@ -108,7 +108,7 @@ void add_row(std::vector<Line>& lines, const RowChange& row, bool all) {
   if (all && lines.size() == before) add({.note = fmt::format("{} in both runs", name(record.status))});
 }
 
-/// All rows together stand first and always; contenders and rows when they differ.
+/// All rows together come first and always; contenders and rows when they differ.
 std::vector<Line> lines_of(const Comparison& comparison, bool all) {
   std::vector<Line> lines;
   for (const OverallChange& change : comparison.overall)
@@ -220,19 +220,10 @@ std::string summary_line(const Comparison& comparison) {
 }
 
 std::string render_comparison(const Comparison& comparison, Format format, const CompareTableOptions& options) {
-  switch (format) {
-    case Format::terminal:
-      return terminal_text(comparison, options) + summary_line(comparison) + '\n';
-    case Format::markdown:
-      return markdown(comparison, options) + summary_line(comparison) + '\n';
-    case Format::csv:
-      return comparison_csv(comparison);
-    case Format::json:
-      return comparison_json(comparison, options);
-    case Format::latex:
-      break;
-  }
-  throw Error("a comparison has no format tex; there are: terminal, md, csv, json");
+  if (format == Format::csv) return comparison_csv(comparison);
+  if (format == Format::json) return comparison_json(comparison, options);
+  if (format == Format::latex) throw Error("a comparison has no format tex; there are: terminal, md, csv, json");
+  return (format == Format::terminal ? terminal_text : markdown)(comparison, options) + summary_line(comparison) + '\n';
 }
 
 }  // namespace gnomon

@@ -1,6 +1,4 @@
 #pragma once
-#include <string>
-
 #include "analysis/compare.h"
 #include "report/table/table.h"
 
@@ -22,8 +20,5 @@ std::string comparison_json(const Comparison& comparison, const CompareTableOpti
 
 /// One line: how many rows and times, and what became of them.
 std::string summary_line(const Comparison& comparison);
-
-/// Name of the JSON comparison's schema.
-inline constexpr std::string_view compare_schema = "gnomon-compare-1";
 
 }  // namespace gnomon

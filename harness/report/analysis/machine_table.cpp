@@ -1,7 +1,5 @@
 #include "report/analysis/machine_table.h"
 
-#include <optional>
-
 #include "measure/json.h"
 #include "measure/part_file.h"
 #include "measure/scene/blob.h"
@@ -15,13 +13,6 @@ using analysis::Cells;
 
 /// "A" for the first run.
 std::string letter(std::size_t run) { return fmt::format("{}", static_cast<char>('A' + run)); }
-
-Column percent_column(std::string name, std::string heading) {
-  Column column = number_column(std::move(name), "", std::move(heading));
-  column.shown_unit = "%";
-  column.shown_scale = 100;
-  return column;
-}
 
 /// What one run says of a row; a column that no row of the run fills is left out.
 struct Quantity {
@@ -48,7 +39,7 @@ std::vector<MachineColumn> columns_of(std::span<const MachineRun> runs) {
       const auto has = [&](const Record& r) { return r.status == Status::ok && what.of(r); };
       if (std::ranges::none_of(runs[run].records, has)) continue;
       const std::string name = fmt::format("{}.{}", letter(run), what.name), heading = letter(run) + what.heading;
-      columns.push_back({what.is_time ? number_column(name, "ms", heading) : percent_column(name, heading),
+      columns.push_back({what.is_time ? number_column(name, "ms", heading) : share_column(name, heading),
                          [run, of = what.of](const MachineRow& row) {
                            return row[run] && row[run]->status == Status::ok ? of(*row[run]) : std::nullopt;
                          }});
@@ -129,80 +120,108 @@ std::vector<std::string> undone_notes(std::span<const MachineRow> rows) {
   return notes;
 }
 
+/// What a frame costs on each machine, beside how far it errs.
+class MachineTable {
+ public:
+  MachineTable(std::span<const MachineRun> runs, const MachineTableOptions& options);
+  Layout layout() const;
+  /// Whether there were columns of this kind, which the table does without from now on.
+  bool drop(std::string_view kind) {
+    return std::erase_if(columns_, [&](const MachineColumn& column) { return column.column.name.substr(2) == kind; }) > 0;
+  }
+
+ private:
+  Cells cells(const MachineRow& row) const;
+  std::vector<std::string> notes() const;
+
+  std::span<const MachineRun> runs_;
+  std::vector<MachineRow> rows_;
+  std::size_t undone_ = 0;  // rows that no machine did
+  Differing pixels_;
+  std::vector<MachineColumn> columns_;
+  std::vector<std::size_t> with_masks_;  // runs whose masks are compared with those of the first
+};
+
+MachineTable::MachineTable(std::span<const MachineRun> runs, const MachineTableOptions& options)
+    : runs_(runs), rows_(rows_by_machine(runs)) {
+  std::erase_if(rows_, [](const MachineRow& row) {
+    return std::ranges::count_if(row, [](const Record* r) { return r != nullptr; }) < 2;
+  });
+  if (rows_.empty())
+    throw Error("no row is in two of the folders: scene, light, view, size, truth, technique and settings differ");
+  undone_ = std::erase_if(rows_, [](const MachineRow& row) {
+    return std::ranges::none_of(row, [](const Record* r) { return r && r->status == Status::ok; });
+  });
+  pixels_ = differing(runs, rows_);
+  if (!options.pixels.empty()) write_pixels(options.pixels, runs, rows_, pixels_);
+  columns_ = columns_of(runs);
+  for (std::size_t run = 1; run < runs.size(); ++run)
+    if (std::ranges::any_of(pixels_, [run](const auto& row) { return row[run].has_value(); })) with_masks_.push_back(run);
+}
+
+const Record& first(const MachineRow& row) {
+  return **std::ranges::find_if(row, [](const Record* r) { return r != nullptr; });
+}
+
+Cells MachineTable::cells(const MachineRow& row) const {
+  Cells cells = analysis::place_cells(place_of(first(row)));
+  cells.push_back(text_cell(setting_name(first(row))));
+  for (const MachineColumn& column : columns_) {
+    const std::optional<double> value = column.of(row);
+    cells.push_back(value ? Cell{.value = *value} : Cell{});
+  }
+  const auto& pixels_of_row = pixels_[static_cast<std::size_t>(&row - rows_.data())];
+  for (const std::size_t run : with_masks_)
+    cells.push_back(pixels_of_row[run] ? Cell{.value = static_cast<double>(count(*pixels_of_row[run]))} : Cell{});
+  return cells;
+}
+
+std::vector<std::string> MachineTable::notes() const {
+  std::vector<std::string> notes{
+      "ms: median of the medians of the processes by the host's clock; device: by the clock of the OpenGL device",
+      "A/B: how many times faster than A; bare: what part of the frame the technique's bare pass takes"};
+  if (!with_masks_.empty())
+    notes.emplace_back("differs: pixels whose visibility is another than A's, by more than half a step of eight bits");
+  if (undone_ > 0) notes.push_back(fmt::format("left out: {} row{} that no machine did", undone_, undone_ == 1 ? "" : "s"));
+  std::ranges::copy(undone_notes(rows_), std::back_inserter(notes));
+  for (std::size_t run = 0; run < runs_.size(); ++run) notes.push_back(machine_note(run, runs_[run]));
+  return notes;
+}
+
+Layout MachineTable::layout() const {
+  Layout table;
+  table.columns = analysis::place_columns();
+  table.columns.push_back(text_column("setting", "technique"));
+  for (const MachineColumn& column : columns_) table.columns.push_back(column.column);
+  for (const std::size_t run : with_masks_)
+    table.columns.push_back(
+        whole_column(fmt::format("{}.differing", letter(run)), "px", fmt::format("{} differs", letter(run))));
+  analysis::add_groups(
+      table, rows_, [](const MachineRow& row) { return place_of(first(row)); },
+      [&](const MachineRow& row) { return cells(row); });
+  table.title = "What a frame (relight and resolve) costs and how far it errs, by machine";
+  table.notes = notes();
+  return table;
+}
+
 }  // namespace
 
 std::string render_machines(std::span<const MachineRun> runs, Format format, const MachineTableOptions& options) {
   constexpr std::size_t most_runs = 26;
   if (runs.size() < 2 || runs.size() > most_runs)
     throw Error("--by machine takes 2 .. {} folders of runs; {} are given", most_runs, runs.size());
-  std::vector<MachineRow> rows = rows_by_machine(runs);
-  std::erase_if(
-      rows, [](const MachineRow& row) { return std::ranges::count_if(row, [](const Record* r) { return r != nullptr; }) < 2; });
-  if (rows.empty())
-    throw Error("no row is in two of the folders: scene, light, view, size, truth, technique and settings differ");
-  const std::size_t all_rows = rows.size();
-  std::erase_if(rows, [](const MachineRow& row) {
-    return std::ranges::none_of(row, [](const Record* r) { return r && r->status == Status::ok; });
-  });
-  const std::size_t undone = all_rows - rows.size();
-  const Differing pixels = differing(runs, rows);
-  if (!options.pixels.empty()) write_pixels(options.pixels, runs, rows, pixels);
-
-  std::vector<MachineColumn> columns = columns_of(runs);
-  std::vector<std::size_t> with_masks;
-  for (std::size_t run = 1; run < runs.size(); ++run)
-    if (std::ranges::any_of(pixels, [run](const auto& row) { return row[run].has_value(); })) with_masks.push_back(run);
-
-  const auto lay_out = [&] {
-    Layout table;
-    table.columns = analysis::place_columns();
-    table.columns.push_back(text_column("setting", "technique"));
-    for (const MachineColumn& column : columns) table.columns.push_back(column.column);
-    for (const std::size_t run : with_masks)
-      table.columns.push_back(
-          whole_column(fmt::format("{}.differing", letter(run)), "px", fmt::format("{} differs", letter(run))));
-    const auto first = [](const MachineRow& row) -> const Record& {
-      return **std::ranges::find_if(row, [](const Record* r) { return r != nullptr; });
-    };
-    std::vector<std::size_t> indices(rows.size());
-    for (std::size_t k = 0; k < rows.size(); ++k) indices[k] = k;
-    const auto place = [&](std::size_t k) { return place_of(first(rows[k])); };
-    analysis::add_groups(table, indices, place, [&](std::size_t k) {
-      Cells cells = analysis::place_cells(place(k));
-      cells.push_back(text_cell(setting_name(first(rows[k]))));
-      for (const MachineColumn& column : columns) {
-        const std::optional<double> value = column.of(rows[k]);
-        cells.push_back(value ? Cell{.value = *value} : Cell{});
-      }
-      for (const std::size_t run : with_masks)
-        cells.push_back(pixels[k][run] ? Cell{.value = static_cast<double>(count(*pixels[k][run]))} : Cell{});
-      return cells;
-    });
-    table.title = "What a frame (relight and resolve) costs and how far it errs, by machine";
-    table.notes.push_back(
-        "ms: median of the medians of the processes by the host's clock; device: by the clock of the "
-        "OpenGL device");
-    table.notes.push_back("A/B: how many times faster than A; bare: what part of the frame the technique's bare pass takes");
-    if (!with_masks.empty())
-      table.notes.push_back("differs: pixels whose visibility is another than A's, by more than half a step of eight bits");
-    if (undone > 0)
-      table.notes.push_back(fmt::format("left out: {} row{} that no machine did", undone, undone == 1 ? "" : "s"));
-    for (std::string& note : undone_notes(rows)) table.notes.push_back(std::move(note));
-    for (std::size_t run = 0; run < runs.size(); ++run) table.notes.push_back(machine_note(run, runs[run]));
-    return table;
-  };
+  MachineTable table(runs, options);
   TableOptions here;
   here.width = options.width;
-  std::string text = render_layout(lay_out(), format, here);
+  std::string text = render_layout(table.layout(), format, here);
   if (format != Format::terminal || options.width == 0) return text;
   // A terminal that is too narrow for all does without some.
   std::vector<std::string> left_out;
   for (const std::string_view kind : {"floor_share", "ratio", "frame_device_ms"}) {
     if (terminal_width_of(text) <= options.width) break;
-    const auto is_of_kind = [&](const MachineColumn& column) { return column.column.name.substr(2) == kind; };
-    if (std::erase_if(columns, is_of_kind) == 0) continue;
+    if (!table.drop(kind)) continue;
     left_out.emplace_back(kind);
-    text = render_layout(lay_out(), format, here);
+    text = render_layout(table.layout(), format, here);
   }
   if (!left_out.empty()) text += fmt::format("left out for want of room: {}\n", joined(left_out, ", "));
   return text;

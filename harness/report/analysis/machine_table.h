@@ -1,8 +1,4 @@
 #pragma once
-#include <filesystem>
-#include <span>
-#include <string>
-
 #include "analysis/machines.h"
 #include "report/table/table.h"
 

@@ -5,7 +5,6 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <fstream>
@@ -29,18 +28,9 @@ struct FigureKind {
 constexpr FigureKind drawn[] = {{"front", draw_front},   {"growth", draw_growth}, {"stages", draw_stages}, {"map", draw_map},
                                 {"causes", draw_causes}, {"motion", draw_motion}, {"sweep", draw_sweep}};
 
-std::string text_of_file(const fs::path& file) {
-  std::ifstream stream(file);
-  return {std::istreambuf_iterator<char>(stream), {}};
-}
-
 }  // namespace
 
-std::vector<std::string> figure_kinds() {
-  std::vector<std::string> names;
-  for (const FigureKind& kind : drawn) names.emplace_back(kind.name);
-  return names;
-}
+std::vector<std::string> figure_kinds() { return names_in(drawn); }
 
 std::string figure_script(std::span<const Record> records, const std::string& kind, const FigureOptions& options,
                           const fs::path& out) {
@@ -72,10 +62,10 @@ void run_gnuplot(const std::string& script, const fs::path& out) {
         "program that it would run");
   if (code != 0) throw Error("no process for gnuplot: {}", std::strerror(code));
   int status = 0;
-  while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
-  }
+  while (waitpid(child, &status, 0) < 0 && errno == EINTR) continue;
   const fs::path made = scratch.path() / out.filename();
-  const std::string complaint = text_of_file(output);
+  std::ifstream said(output);
+  const std::string complaint(std::istreambuf_iterator<char>(said), {});
   if (!WIFEXITED(status) || WEXITSTATUS(status) != 0 || !fs::exists(made) || fs::file_size(made) == 0)
     throw Error("gnuplot could not draw {}: {}", out.string(), complaint.empty() ? "it said nothing" : complaint);
   fs::rename(made, target);

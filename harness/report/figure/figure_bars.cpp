@@ -1,5 +1,4 @@
 // Bars in pieces, one a setting: cost by stage, and wrong pixels by cause.
-#include <algorithm>
 #include <array>
 #include <map>
 #include <numeric>

@@ -1,7 +1,4 @@
 // Error against cost: every setting a mark with its interval, the front a staircase. A panel for each kind of light.
-#include <algorithm>
-#include <cmath>
-
 #include "report/figure/figure_script.h"
 
 namespace gnomon {
@@ -25,10 +22,61 @@ struct FrontLegend {
 /// after.
 class FrontPanel {
  public:
-  FrontPanel(const Field& field, const AnalysisOptions& options);
+  FrontPanel(const Field& field, const AnalysisOptions& options)
+      : field_(field),
+        options_(options),
+        error_column_(quantity_column(options.metric)),
+        cost_column_(quantity_column(options.cost == Cost::bytes ? "bytes" : "resolve_ms")),
+        is_higher_better_(better(options.metric) == "higher") {
+    const std::vector<FrontEntry> stands = find_front(field, better(options.metric));
+    for (std::size_t i = 0; i < field.candidates.size(); ++i) {
+      const Candidate& c = field.candidates[i];
+      if (c.role == Role::baseline || !c.cost || c.cost->value <= 0) continue;
+      shown_.push_back(&c);
+      if (stands[i].standing == Standing::front) front_.push_back(&c);
+      if (c.error > 0) errors_.add(c.error * error_column_.shown_scale);
+      if (c.floor) floor_ = std::max(floor_, *c.floor * error_column_.shown_scale);
+      has_zero_ = has_zero_ || c.error <= 0;
+      costs_.add(c.cost->low * cost_column_.shown_scale);
+      costs_.add(c.cost->high * cost_column_.shown_scale);
+    }
+    if (options.metric == "error" && field.constant) constant_ = *field.constant * error_column_.shown_scale;
+    for (const double level : {floor_, constant_})
+      if (level > 0) errors_.add(level);
+    std::sort(front_.begin(), front_.end(), [](const auto* a, const auto* b) { return a->cost->value < b->cost->value; });
+    const double greatest_error = std::max(errors_.greatest, 0.0);
+    is_log_ = greatest_error > 0 && !is_higher_better_;
+    zero_ = is_log_ ? errors_.least / 4 : 0;
+    top_ = is_log_ ? greatest_error * 2 : greatest_error * 1.08;
+  }
 
-  void add_data(FigureScript& script, FrontLegend& legend);
-  void set_axes(FigureScript& script, bool is_only) const;
+  void add_data(FigureScript& script, FrontLegend& legend) {
+    add_staircase(script, legend);
+    add_level(script, floor_, 3, "error floor", legend.has_floor);
+    add_level(script, constant_, 2, "best constant mask", legend.has_constant);
+    add_series(script, legend);
+    number_front(legend);
+  }
+
+  void set_axes(FigureScript& script, bool is_only) const {
+    const std::string over = field_.place ? "" : fmt::format(", geometric mean over {} places", field_.places);
+    const std::string x_label = fmt::format("{} ({}){}", sentence(options_.cost), cost_column_.shown_unit, is_only ? over : "");
+    script.add("set xlabel {}", FigureScript::quoted(x_label));
+    script.add("set ylabel {}", FigureScript::quoted(axis_label(error_column_) + (field_.place ? "" : ", mean")));
+    const double left = costs_.least / 1.3, right = costs_.greatest * 1.3;
+    script.add("set logscale x; set xtics {}; set xrange [{}:{}]", log_tics(left, right, is_only ? 8 : 5), left, right);
+    if (is_log_) {
+      const double bottom = has_zero_ ? zero_ / 1.5 : errors_.least / 2;
+      const double first_tic = has_zero_ ? errors_.least / 1.5 : bottom;
+      script.add("set logscale y; set ytics {}; set yrange [{}:{}]", log_tics(first_tic, top_, 8), bottom, top_);
+      if (has_zero_) script.add("set ytics add ('0' {})", zero_);
+    } else {
+      script.add("unset logscale y; set ytics autofreq; set yrange [0:{}]",
+                 is_higher_better_ ? "*" : fmt::format("{}", top_ > 0 ? top_ : 1));
+    }
+    script.add("unset label");
+    for (const std::string& number : numbers_) script.add("{}", number);
+  }
 
   const std::vector<const Candidate*>& shown() const { return shown_; }
   const Field& field() const { return field_; }
@@ -36,12 +84,60 @@ class FrontPanel {
   PlotCommand plot;
 
  private:
-  void add_staircase(FigureScript& script, FrontLegend& legend);
-  void add_level(FigureScript& script, double level, int dashes, const char* name, bool& is_said);
-  void add_series(FigureScript& script, FrontLegend& legend);
-  void number_front(FrontLegend& legend);
+  /// The front, from the top to the right edge.
+  void add_staircase(FigureScript& script, FrontLegend& legend) {
+    if (front_.empty()) return;
+    std::vector<std::string> lines{fmt::format("{}\t{}", x(*front_.front()), is_higher_better_ ? 0 : top_)};
+    for (const Candidate* c : front_) lines.push_back(fmt::format("{}\t{}", x(*c), y(*c)));
+    lines.push_back(fmt::format("{}\t{}", costs_.greatest * 1.3, y(*front_.back())));
+    plot.add("{} using 1:2 with steps lw 1.6 lc rgb '#bbbbbb' notitle", script.data(lines));
+    if (std::exchange(legend.has_front, true)) return;
+    script.legend.push_back({"with lines lw 1.6 lc rgb '#bbbbbb'", "front"});
+  }
+
+  /// A line at an error that others are read against; none at 0.
+  void add_level(FigureScript& script, double level, int dashes, const char* name, bool& is_said) {
+    if (level <= 0) return;
+    const std::vector<std::string> lines{fmt::format("{}\t{}", costs_.least / 1.3, level),
+                                         fmt::format("{}\t{}", costs_.greatest * 1.3, level)};
+    const std::string style = fmt::format("with lines dt {} lw 1.2 lc rgb '#888888'", dashes);
+    plot.add("{} using 1:2 {} notitle", script.data(lines), style);
+    if (std::exchange(is_said, true)) return;
+    script.legend.push_back({style, name});
+  }
+
+  void add_series(FigureScript& script, FrontLegend& legend) {
+    // Marks of one color: of one setting while these are few, of a technique otherwise.
+    std::vector<std::pair<std::string, std::vector<const Candidate*>>> all;
+    for (const Candidate* c : shown_) value_of_key(all, legend.name_of(*c)).push_back(c);
+    for (const auto& [name, candidates] : all) {
+      std::vector<std::string> lines;
+      for (const Candidate* c : candidates)
+        lines.push_back(fmt::format("{}\t{}\t{}\t{}", x(*c), y(*c), c->cost->low * cost_column_.shown_scale,
+                                    c->cost->high * cost_column_.shown_scale));
+      const std::size_t k = index_of(legend.names, name);
+      const bool is_new = k == legend.names.size(), is_contender = candidates.front()->role == Role::contender;
+      if (is_new) legend.names.push_back(name);
+      const std::string style =
+          is_contender ? fmt::format("pt {} ps {} lc rgb '{}'", series_mark(k), legend.is_named ? 1.0 : 0.6, series_color(k))
+                       : "pt 2 ps 0.9 lw 1.4 lc rgb '#555555'";
+      plot.add("{} using 1:2:3:4 with xerrorbars {} notitle", script.data(lines), style);
+      if (is_new) script.legend.push_back({"with points " + style, name + (is_contender ? "" : " (reference)")});
+    }
+  }
+
+  /// Where settings are too many to name them all, those on the front have a number that the legend explains.
+  void number_front(FrontLegend& legend) {
+    if (legend.is_named || front_.size() > most_named) return;
+    for (const Candidate* c : front_) {
+      add_once(legend.numbered, c->setting);
+      numbers_.push_back(fmt::format("set label '{}' at {},{} right offset -0.3,-0.7 textcolor rgb '#222222'",
+                                     index_of(legend.numbered, c->setting) + 1, x(*c), y(*c)));
+    }
+  }
+
   double x(const Candidate& c) const { return c.cost->value * cost_column_.shown_scale; }
-  /// No error at all has no place on a logarithmic axis: it stands below the least, at `zero_`.
+  /// A logarithmic axis has no zero: an error of 0 is drawn below the least, at `zero_`.
   double y(const Candidate& c) const { return is_log_ && c.error <= 0 ? zero_ : c.error * error_column_.shown_scale; }
 
   const Field& field_;
@@ -58,117 +154,9 @@ class FrontPanel {
   std::vector<std::string> numbers_;  ///< commands that write numbers beside marks
 };
 
-FrontPanel::FrontPanel(const Field& field, const AnalysisOptions& options)
-    : field_(field),
-      options_(options),
-      error_column_(quantity_column(options.metric)),
-      cost_column_(quantity_column(options.cost == Cost::bytes ? "bytes" : "resolve_ms")),
-      is_higher_better_(better(options.metric) == "higher") {
-  const std::vector<FrontEntry> stands = find_front(field, better(options.metric));
-  for (std::size_t i = 0; i < field.candidates.size(); ++i) {
-    const Candidate& c = field.candidates[i];
-    if (c.role == Role::baseline || !c.cost || c.cost->value <= 0) continue;
-    shown_.push_back(&c);
-    if (stands[i].standing == Standing::front) front_.push_back(&c);
-    if (c.error > 0) errors_.add(c.error * error_column_.shown_scale);
-    if (c.floor) floor_ = std::max(floor_, *c.floor * error_column_.shown_scale);
-    has_zero_ = has_zero_ || c.error <= 0;
-    costs_.add(c.cost->low * cost_column_.shown_scale);
-    costs_.add(c.cost->high * cost_column_.shown_scale);
-  }
-  if (options.metric == "error" && field.constant) constant_ = *field.constant * error_column_.shown_scale;
-  for (const double level : {floor_, constant_})
-    if (level > 0) errors_.add(level);
-  std::sort(front_.begin(), front_.end(), [](const auto* a, const auto* b) { return a->cost->value < b->cost->value; });
-  const double greatest_error = std::max(errors_.greatest, 0.0);
-  is_log_ = greatest_error > 0 && !is_higher_better_;
-  zero_ = is_log_ ? errors_.least / 4 : 0;
-  top_ = is_log_ ? greatest_error * 2 : greatest_error * 1.08;
-}
-
-void FrontPanel::add_data(FigureScript& script, FrontLegend& legend) {
-  add_staircase(script, legend);
-  add_level(script, floor_, 3, "error floor", legend.has_floor);
-  add_level(script, constant_, 2, "best constant mask", legend.has_constant);
-  add_series(script, legend);
-  number_front(legend);
-}
-
-/// The front, from the top to the right edge.
-void FrontPanel::add_staircase(FigureScript& script, FrontLegend& legend) {
-  if (front_.empty()) return;
-  std::vector<std::string> lines{fmt::format("{}\t{}", x(*front_.front()), is_higher_better_ ? 0 : top_)};
-  for (const Candidate* c : front_) lines.push_back(fmt::format("{}\t{}", x(*c), y(*c)));
-  lines.push_back(fmt::format("{}\t{}", costs_.greatest * 1.3, y(*front_.back())));
-  plot.add("{} using 1:2 with steps lw 1.6 lc rgb '#bbbbbb' notitle", script.data(lines));
-  if (std::exchange(legend.has_front, true)) return;
-  script.legend.push_back({"with lines lw 1.6 lc rgb '#bbbbbb'", "front"});
-}
-
-/// A line at an error that others are read against; none at 0.
-void FrontPanel::add_level(FigureScript& script, double level, int dashes, const char* name, bool& is_said) {
-  if (level <= 0) return;
-  const std::vector<std::string> lines{fmt::format("{}\t{}", costs_.least / 1.3, level),
-                                       fmt::format("{}\t{}", costs_.greatest * 1.3, level)};
-  const std::string style = fmt::format("with lines dt {} lw 1.2 lc rgb '#888888'", dashes);
-  plot.add("{} using 1:2 {} notitle", script.data(lines), style);
-  if (std::exchange(is_said, true)) return;
-  script.legend.push_back({style, name});
-}
-
-void FrontPanel::add_series(FigureScript& script, FrontLegend& legend) {
-  // Marks of one color: of one setting while these are few, of a technique otherwise.
-  std::vector<std::pair<std::string, std::vector<const Candidate*>>> all;
-  for (const Candidate* c : shown_) value_of_key(all, legend.name_of(*c)).push_back(c);
-  for (const auto& [name, candidates] : all) {
-    std::vector<std::string> lines;
-    for (const Candidate* c : candidates)
-      lines.push_back(fmt::format("{}\t{}\t{}\t{}", x(*c), y(*c), c->cost->low * cost_column_.shown_scale,
-                                  c->cost->high * cost_column_.shown_scale));
-    const std::size_t k = index_of(legend.names, name);
-    const bool is_new = k == legend.names.size(), is_contender = candidates.front()->role == Role::contender;
-    if (is_new) legend.names.push_back(name);
-    const std::string style =
-        is_contender ? fmt::format("pt {} ps {} lc rgb '{}'", series_mark(k), legend.is_named ? 1.0 : 0.6, series_color(k))
-                     : "pt 2 ps 0.9 lw 1.4 lc rgb '#555555'";
-    plot.add("{} using 1:2:3:4 with xerrorbars {} notitle", script.data(lines), style);
-    if (is_new) script.legend.push_back({"with points " + style, name + (is_contender ? "" : " (reference)")});
-  }
-}
-
-/// Where settings are too many to name them all, those on the front have a number that the legend explains.
-void FrontPanel::number_front(FrontLegend& legend) {
-  if (legend.is_named || front_.size() > most_named) return;
-  for (const Candidate* c : front_) {
-    add_once(legend.numbered, c->setting);
-    numbers_.push_back(fmt::format("set label '{}' at {},{} right offset -0.3,-0.7 textcolor rgb '#222222'",
-                                   index_of(legend.numbered, c->setting) + 1, x(*c), y(*c)));
-  }
-}
-
-void FrontPanel::set_axes(FigureScript& script, bool is_only) const {
-  const std::string over = field_.place ? "" : fmt::format(", geometric mean over {} places", field_.places);
-  const std::string x_label = fmt::format("{} ({}){}", sentence(options_.cost), cost_column_.shown_unit, is_only ? over : "");
-  script.add("set xlabel {}", FigureScript::quoted(x_label));
-  script.add("set ylabel {}", FigureScript::quoted(axis_label(error_column_) + (field_.place ? "" : ", mean")));
-  const double left = costs_.least / 1.3, right = costs_.greatest * 1.3;
-  script.add("set logscale x; set xtics {}; set xrange [{}:{}]", log_tics(left, right, is_only ? 8 : 5), left, right);
-  if (is_log_) {
-    const double bottom = has_zero_ ? zero_ / 1.5 : errors_.least / 2;
-    const double first_tic = has_zero_ ? errors_.least / 1.5 : bottom;
-    script.add("set logscale y; set ytics {}; set yrange [{}:{}]", log_tics(first_tic, top_, 8), bottom, top_);
-    if (has_zero_) script.add("set ytics add ('0' {})", zero_);
-  } else {
-    script.add("unset logscale y; set ytics autofreq; set yrange [0:{}]",
-               is_higher_better_ ? "*" : fmt::format("{}", top_ > 0 ? top_ : 1));
-  }
-  script.add("unset label");
-  for (const std::string& number : numbers_) script.add("{}", number);
-}
-
 /// Over which places, where there are two panels.
 std::string title_of(const Field& field, std::span<const Place> places) {
-  return field.place ? title(*field.place, places) : fmt::format("{} places{}", field.places, lights_text(field.answer));
+  return field.place ? title(*field.place, places) : fmt::format("{} places under {}", field.places, lights_text(field.answer));
 }
 
 }  // namespace

@@ -1,7 +1,4 @@
 // Time of each stage, or a quantity, against an axis, both logarithmic, with the fitted lines and their exponents.
-#include <algorithm>
-#include <cmath>
-
 #include "report/figure/figure_script.h"
 
 namespace gnomon {
@@ -18,7 +15,7 @@ struct DrawnGrowths {
   double scale = 1;       ///< of values as people see them
   bool is_time = true;
 
-  bool has_marks() const { return is_time && places.size() > 1; }  ///< that tell places apart
+  bool has_marks() const { return is_time && places.size() > 1; }  ///< that distinguish places
   std::size_t panel_count() const { return is_time ? stages.size() : places.size(); }
   std::size_t panel_of(const Growth& growth) const {
     return is_time ? index_of(stages, growth.stage) : index_of(places, growth.place);
@@ -61,8 +58,8 @@ DrawnGrowths choose(const Growths& growths, double scale) {
   return drawn;
 }
 
-/// Color and mark of a series. Color tells the setting, mark the place where a panel holds several; of a single setting color
-/// tells the place too.
+/// Color and mark of a series. Color shows the setting, mark the place where a panel holds several; of a single setting color
+/// shows the place too.
 std::pair<std::string, int> style_of(const Growth& growth, const DrawnGrowths& drawn) {
   static constexpr int marks[] = {7, 5, 9, 11, 13, 6, 4, 8, 10, 12};
   const std::size_t setting = index_of(drawn.settings, growth.setting), place = index_of(drawn.places, growth.place);
@@ -98,8 +95,8 @@ void add_series(const Growth& growth, const DrawnGrowths& drawn, FigureScript& s
   panel.exponents.push_back({at(to), fmt::format("{:.2f}", std::abs(exponent) < 0.005 ? 0.0 : exponent), color});
 }
 
-/// Exponents stand where their lines end, pushed apart upward where they would cover one another. More than a few would stand
-/// far from their lines and are left out; the table has them all.
+/// Exponents are written where their lines end, pushed apart upward where they would cover one another. More than a few would
+/// be far from their lines and are left out; the table has them all.
 void label_exponents(std::vector<ExponentLabel> labels, double x, double bottom, double top, FigureScript& script) {
   if (labels.size() > 8) return;
   std::sort(labels.begin(), labels.end(), [](const auto& a, const auto& b) { return a.y < b.y; });

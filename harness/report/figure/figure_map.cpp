@@ -1,7 +1,4 @@
 // A metric over two parameters as a heat map, one panel for each map; over one parameter as lines.
-#include <algorithm>
-#include <cmath>
-
 #include "report/figure/figure_script.h"
 #include "report/table/digits.h"
 

@@ -1,6 +1,4 @@
 // A metric at every frame of a path, one panel for each scene, light and path.
-#include <algorithm>
-
 #include "report/figure/figure_script.h"
 
 namespace gnomon {

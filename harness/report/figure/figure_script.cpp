@@ -1,7 +1,5 @@
 #include "report/figure/figure_script.h"
 
-#include <algorithm>
-#include <cmath>
 #include <limits>
 
 namespace gnomon {
@@ -32,17 +30,13 @@ double strip(const FigureScript& script) { return script.legend_cm() / script.he
 double FigureScript::legend_cm() const { return legend.empty() ? 0 : 0.46 * static_cast<double>(legend_rows(*this)) + 0.7; }
 
 std::string FigureScript::quoted(std::string_view text) {
-  // gnuplot 5.4 takes quotes at the beginning for an empty text: they stand in a text of their own.
+  // gnuplot 5.4 takes quotes at the beginning for an empty text: they go into a text of their own.
   std::string safe;
   for (; text.starts_with("'"); text.remove_prefix(1)) safe += safe.empty() ? "\"\\047" : "\\047";
   safe += safe.empty() ? "'" : "\".'";
   for (const char c : text) {
-    if (c == '\n' || c == '\r') {
-      safe += ' ';
-      continue;
-    }
     if (c == '\'') safe += '\'';
-    safe += c;
+    safe += c == '\n' || c == '\r' ? ' ' : c;
   }
   return safe + "'";
 }
@@ -152,9 +146,6 @@ std::string short_number(double value) {
 }
 
 std::string log_tics(double least, double greatest, std::size_t most) {
-  const auto is_labeled = [](int digit, std::initializer_list<int> digits) {
-    return std::find(digits.begin(), digits.end(), digit) != digits.end();
-  };
   // The densest of these that keeps the number of labels.
   using Digits = std::initializer_list<int>;
   // What a double can hold, however small or large the ends of an axis come out.
@@ -170,12 +161,10 @@ std::string log_tics(double least, double greatest, std::size_t most) {
       for (int digit = 1; digit <= 9; ++digit) {
         const double at = k < 0 ? digit / std::pow(10, -k) : digit * std::pow(10, k);
         if (at < least * 0.999 || at > greatest * 1.001 || !std::isfinite(at)) continue;
-        if (is_labeled(digit, digits)) {
-          ++labels;
-          tics.push_back(fmt::format("{} {}", FigureScript::quoted(short_number(at)), at));
-        } else {
-          tics.push_back(fmt::format("'' {} 1", at));
-        }
+        const bool is_labeled = std::ranges::find(digits, digit) != digits.end();
+        labels += is_labeled;
+        tics.push_back(is_labeled ? fmt::format("{} {}", FigureScript::quoted(short_number(at)), at)
+                                  : fmt::format("'' {} 1", at));
       }
     text = fmt::format("({})", joined(tics, ", "));
     if (labels <= most) break;

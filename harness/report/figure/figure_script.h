@@ -1,5 +1,4 @@
 #pragma once
-#include <algorithm>
 #include <cmath>
 
 #include "analysis/in_order.h"
@@ -21,7 +20,7 @@ class FigureScript {
   std::string data(const std::vector<std::string>& lines);
   /// Text in single quotes, as gnuplot reads it.
   static std::string quoted(std::string_view text);
-  /// The same for the name of a tic, which gnuplot reads as a format: a percent sign stands for itself.
+  /// The same for the name of a tic, which gnuplot reads as a format: a percent sign prints as itself.
   static std::string quoted_tic(std::string_view text);
 
   const FigureOptions& options;

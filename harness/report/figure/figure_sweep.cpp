@@ -15,7 +15,7 @@ bool is_drawn(const Sweep& sweep, const Column& column) {
   return std::any_of(sweep.points.begin(), sweep.points.end(), [](const auto& point) { return point.value.has_value(); });
 }
 
-/// In the unit that people see. What the clock does not see stands at its resolution.
+/// In the unit that people see. A time below the clock's resolution is drawn at it.
 double shown_value(double value, const Column& column) {
   return (column.unit == "ms" ? std::max(value, clock_ms) : value) * column.shown_scale;
 }

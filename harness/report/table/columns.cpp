@@ -1,16 +1,12 @@
 #include "report/table/columns.h"
 
-#include <algorithm>
-#include <cmath>
-#include <map>
 #include <memory>
 
-#include "analysis/analysis.h"
+#include "analysis/in_order.h"
 #include "measure/frame/classify.h"
 #include "measure/json.h"
 #include "measure/score/metrics.h"
 #include "measure/score/record_causes.h"
-#include "report/table/columns_metrics.h"
 #include "report/table/digits.h"
 
 namespace gnomon {
@@ -29,7 +25,7 @@ Column bytes_column(std::string name, std::string heading, CellOf cell) {
 /// The number of something; 0 is null: there is none.
 Cell count_cell(std::size_t count) { return count > 0 ? Cell{.value = static_cast<double>(count)} : Cell{}; }
 
-/// Label, else id with settings: what tells two rows of a group apart.
+/// Label, else id with settings: what distinguishes two rows of a group.
 Cell technique_cell(const Record& r) { return {.value = r.technique, .shown = setting_name(r)}; }
 
 Cell support_cell(const Record& r) {
@@ -127,11 +123,9 @@ void add_times(std::vector<Column>& columns) {
   columns.push_back(number_column("floor_device_ms", "ms", "bare pass on device", [](const Record& r) {
     return r.floor ? number(median_of_medians(r.floor->device_ms)) : Cell{};
   }));
-  Column share = number_column("floor_share", "", "bare share", [](const Record& r) { return number(floor_share(r)); });
-  share.shown_unit = "%";
-  share.shown_scale = 100;
-  share.sentence = "What part of a frame (relight and resolve) its bare pass takes, by the device's clock where there is one.";
-  columns.push_back(std::move(share));
+  columns.push_back(share_column("floor_share", "bare share", [](const Record& r) { return number(floor_share(r)); }));
+  columns.back().sentence =
+      "What part of a frame (relight and resolve) its bare pass takes, by the device's clock where there is one.";
   columns.push_back(text_column("clocks", "clocks", [](const Record& r) {
     const std::optional<bool> agree = clocks_agree(r);
     return text_cell(!agree ? "" : *agree ? "agree" : "disagree");
@@ -165,9 +159,7 @@ void add_causes(std::vector<Column>& columns, std::span<const Record> records) {
   columns.back().sentence =
       "What made most of the wrong pixels wrong, under a light with area most of the error, with shares of them.";
   for (const CauseInfo& info : causes_of(records)) {
-    Column column = number_column(fmt::format("cause.{}", info.name), "", with_blanks(info.name));
-    column.shown_unit = "%";
-    column.shown_scale = 100;
+    Column column = share_column(fmt::format("cause.{}", info.name), with_blanks(info.name));
     column.better = "lower";
     column.sentence = info.sentence;
     column.cell = [share = column.name](const Record& r) { return number(quantity(r, share)); };
@@ -178,10 +170,7 @@ void add_causes(std::vector<Column>& columns, std::span<const Record> records) {
 void add_facts(std::vector<Column>& columns) {
   for (const ClassInfo& info : class_infos()) {
     if (info.letter != "S" && info.letter != "G" && info.letter != "U") continue;
-    columns.push_back(number_column(fmt::format("{}_share", info.word), "", std::string(info.letter)));
-    Column& column = columns.back();
-    column.shown_unit = "%";
-    column.shown_scale = 100;
+    Column& column = columns.emplace_back(share_column(fmt::format("{}_share", info.word), std::string(info.letter)));
     column.sentence = fmt::format("Share of the pixels facing the light that is of class {}. {}", info.letter, info.sentence);
     column.cell = [letter = std::string(info.letter)](const Record& r) { return number(class_share(r, letter)); };
   }
@@ -230,9 +219,8 @@ void add_counts(std::vector<Column>& columns, std::span<const Record> records) {
   for (const auto& [count, unit] : units) {
     columns.push_back(whole_column("count." + count, unit, count));
     columns.back().cell = [count = count](const Record& r) {
-      for (const Count& candidate : r.counts)
-        if (candidate.name == count) return number(std::optional(candidate.value));
-      return Cell{};
+      const auto found = std::ranges::find(r.counts, count, &Count::name);
+      return found == r.counts.end() ? Cell{} : number(std::optional(found->value));
     };
   }
 }
@@ -247,6 +235,13 @@ Column text_column(std::string name, std::string heading, CellOf cell) {
 
 Column number_column(std::string name, const std::string& unit, std::string heading, CellOf cell) {
   return {.name = std::move(name), .unit = unit, .heading = std::move(heading), .shown_unit = unit, .cell = cell};
+}
+
+Column share_column(std::string name, std::string heading, CellOf cell) {
+  Column column = number_column(std::move(name), "", std::move(heading), cell);
+  column.shown_unit = "%";
+  column.shown_scale = 100;
+  return column;
 }
 
 Column whole_column(std::string name, const std::string& unit, std::string heading, CellOf cell) {
@@ -320,8 +315,7 @@ std::string shown(const Column& column, const Cell& cell) {
 }
 
 std::vector<Column> select(const std::vector<Column>& columns, std::span<const std::string> names) {
-  std::vector<std::string> known;
-  for (const Column& column : columns) known.push_back(column.name);
+  const std::vector<std::string> known = names_in(columns);
   std::vector<Column> selected;
   for (const std::string& name : names) {
     require_word("there is no column", name, known);

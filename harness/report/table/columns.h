@@ -1,10 +1,7 @@
 #pragma once
+#include <cmath>
 #include <functional>
-#include <optional>
-#include <span>
-#include <string>
 #include <variant>
-#include <vector>
 
 #include "analysis/told_apart.h"
 #include "measure/record/record.h"
@@ -30,15 +27,14 @@ enum class Audience { all, people, programs };
 struct Column {
   std::string name;  ///< in CSV, JSON and --columns
   std::string unit;  ///< "" for text, counts and shares of 1
-  std::string heading;
-  std::string shown_unit;
+  std::string heading, shown_unit;
   double shown_scale = 1;
   Align alignment = Align::right;
   bool is_exact = false;    ///< shown with all its digits: sizes, counts, parameters
   std::string better = "";  ///< "lower", "higher", or "" when neither is
   std::string sentence = "";
   std::function<Cell(const Record&)> cell = {};  ///< empty in tables whose rows are no records
-  /// Of a time: as its processes tell it, nothing where there are too few. Empty function where the column has no times.
+  /// Of a time its logarithm, nothing where there are too few processes. Empty function where the column has no times.
   std::function<std::optional<LogTime>(const Record&)> log_time = {};
   Audience audience = Audience::all;
 };
@@ -47,6 +43,8 @@ struct Column {
 using CellOf = Cell (*)(const Record&);
 Column text_column(std::string name, std::string heading, CellOf cell = nullptr);
 Column number_column(std::string name, const std::string& unit, std::string heading, CellOf cell = nullptr);
+/// A share of 1, shown in percent.
+Column share_column(std::string name, std::string heading, CellOf cell = nullptr);
 /// A number that is shown with all its digits.
 Column whole_column(std::string name, const std::string& unit, std::string heading, CellOf cell = nullptr);
 Column for_people(Column column);
@@ -54,12 +52,21 @@ Column for_programs(Column column);
 
 /// Empty text is null.
 Cell text_cell(std::string_view text);
+/// Nothing, NaN and infinity are null.
+template <class T>
+Cell number(const std::optional<T>& value) {
+  return value && std::isfinite(static_cast<double>(*value)) ? Cell{.value = static_cast<double>(*value)} : Cell{};
+}
 
 /// Every column that the records can fill: identity, times with their intervals, memory, metrics against the headline truth
 /// (`wrong_rate`) and against each (`shape.wrong_rate`, `mesh.wrong_rate`), causes of wrong pixels (`cause.acne`; those of a
 /// technique's own where its rows occur), pixel classes (`class.T`), and one for each parameter (`parameter.resolution`) and
 /// count (`count.texels`) that occurs.
 std::vector<Column> all_columns(std::span<const Record> records);
+/// Of these the metrics, against the headline truth and against each.
+void add_metrics(std::vector<Column>& columns);
+/// Of a row of several lights the error of the one that is worst.
+void add_worst_light(std::vector<Column>& columns);
 
 /// "best constant mask 12.3 %": what a place's errors are read against.
 std::string constant_text(double error);

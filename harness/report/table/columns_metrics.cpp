@@ -1,9 +1,7 @@
-#include "report/table/columns_metrics.h"
-
 #include <algorithm>
-#include <cmath>
 
 #include "measure/score/metrics.h"
+#include "report/table/columns.h"
 #include "report/table/digits.h"
 
 namespace gnomon {
@@ -28,11 +26,8 @@ std::string heading_of(std::string metric) {
 /// A metric without unit is a share of 1 and shown in percent. `truth`: nothing for the record's headline truth.
 Column metric_column(const MetricInfo& info, std::optional<Truth> truth) {
   const std::string metric(info.name);
-  Column column = number_column(metric, std::string(info.unit), heading_of(metric));
-  if (info.unit.empty()) {
-    column.shown_unit = "%";
-    column.shown_scale = 100;
-  }
+  Column column = info.unit.empty() ? share_column(metric, heading_of(metric))
+                                    : number_column(metric, std::string(info.unit), heading_of(metric));
   if (truth) {
     column.name = fmt::format("{}.{}", name(*truth), metric);
     column.heading += fmt::format(" ({})", name(*truth));
@@ -61,19 +56,16 @@ void add_metrics(std::vector<Column>& columns) {
 }
 
 void add_worst_light(std::vector<Column>& columns) {
-  Column column = number_column("light_error_max", "", "worst light", [](const Record& r) {
+  columns.push_back(share_column("light_error_max", "worst light", [](const Record& r) {
     std::optional<double> worst;
     if (r.answer != AnswerKind::received) return number(worst);
     for (const Record::LightFacts& light : r.lights)
       if (const auto error = light.metrics.find("error"); error != light.metrics.end() && error->second)
         worst = std::max(worst.value_or(0), *error->second);
     return number(worst);
-  });
-  column.shown_unit = "%";
-  column.shown_scale = 100;
-  column.better = "lower";
-  column.sentence = "The largest error of one light's mask.";
-  columns.push_back(std::move(column));
+  }));
+  columns.back().better = "lower";
+  columns.back().sentence = "The largest error of one light's mask.";
 }
 
 }  // namespace gnomon

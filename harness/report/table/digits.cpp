@@ -15,7 +15,7 @@ std::string rounded(double value, int significant) {
     return std::max(0, significant - 1 - static_cast<int>(std::floor(std::log10(std::abs(x)))));
   };
   int decimals = decimals_for(value);
-  // 9.996 rounds to 10.00: one digit more than asked for.
+  // 9.996 rounds to 10.00: one digit more than requested.
   const double after = std::round(value * std::pow(10, decimals)) / std::pow(10, decimals);
   if (after != 0) decimals = decimals_for(after);
   return fmt::format("{:.{}f}", value, decimals);

@@ -1,11 +1,5 @@
 #include "report/table/layout.h"
 
-#include <algorithm>
-#include <functional>
-#include <map>
-#include <set>
-
-#include "analysis/analysis.h"
 #include "analysis/in_order.h"
 #include "measure/frame/classify.h"
 #include "report/table/digits.h"
@@ -92,7 +86,7 @@ void mark_best(std::span<const Column> columns, Layout::Group& group) {
   }
 }
 
-/// Not every record has it: a column of nothing would stand beside the errors.
+/// Not every record has it: without this check the table would show an empty column.
 bool has_metric(std::span<const Record> records, std::string_view metric) {
   return std::ranges::any_of(records, [&](const Record& r) { return r.metric(metric).has_value(); });
 }
@@ -109,7 +103,8 @@ bool has_unusual_grid(std::span<const Record> records) {
 }
 
 /// Adds those of the metrics that some record has.
-void add_known(std::vector<std::string>& names, std::span<const Record> records, std::span<const std::string_view> metrics) {
+void add_known(std::vector<std::string>& names, std::span<const Record> records,
+               std::initializer_list<std::string_view> metrics) {
   for (const std::string_view metric : metrics)
     if (has_metric(records, metric)) names.emplace_back(metric);
 }
@@ -117,21 +112,63 @@ void add_known(std::vector<std::string>& names, std::span<const Record> records,
 /// What a row is judged by, and what it is read against; where the answer is binary the wrong rate, of several lights the worst
 /// of them, the light received and how it looks.
 void add_error_columns(std::vector<std::string>& names, std::span<const Record> records) {
-  static constexpr std::string_view floors[] = {"error_floor", "snapping_floor"};
   names.emplace_back("error");
-  add_known(names, records, floors);
+  add_known(names, records, {"error_floor", "snapping_floor"});
   if (any_is(records, AnswerKind::binary)) names.emplace_back("wrong_rate");
   if (any_is(records, AnswerKind::received))
     names.insert(names.end(), {"light_error_max", "received_error_rms", "flip", "ssim"});
 }
 
 /// What is defined under lights with area alone.
-constexpr std::string_view soft_metrics[] = {"other_error_mean", "penumbra_width_ratio", "penumbra_shift", "penumbra_noise",
-                                             "contact_hardening"};
+void add_soft_columns(std::vector<std::string>& names, std::span<const Record> records) {
+  if (any_is(records, AnswerKind::fraction))
+    add_known(names, records,
+              {"other_error_mean", "penumbra_width_ratio", "penumbra_shift", "penumbra_noise", "contact_hardening"});
+}
 
 /// What is tested of the pixels that face the light, and what is not, by class.
 void add_class_columns(std::vector<std::string>& names) {
   names.insert(names.end(), {"tested_share", "silhouette_share", "grazing_share", "uncertain_share"});
+}
+
+/// Explains the signs and words of the columns.
+void add_shorthands(Layout& layout, std::span<const Record> records, bool has_null) {
+  const auto say = [&](std::string_view word, std::string text) { layout.shorthands.emplace_back(word, std::move(text)); };
+  const auto has = [&](std::string_view column) {
+    return std::ranges::find(layout.columns, column, &Column::name) != layout.columns.end();
+  };
+  const auto add = [&](std::string_view column, std::string_view word, std::string text) {
+    if (has(column)) say(word, std::move(text));
+  };
+  if (has_null) say("-", "not measured or not defined");
+  if (std::ranges::find(layout.columns, "ms", &Column::unit) != layout.columns.end())
+    say("ms", "median of the medians of the processes");
+  if (has("silhouette_share") || has("grazing_share") || has("uncertain_share"))
+    say("S, G, U", "shares of the pixels facing the light that are not tested: silhouette, grazing, uncertain");
+  add("resolve_device_ms", "on device",
+      "time by the clock of the OpenGL device; ms alone is by the clock of the host, which waits for the device");
+  add("floor_share", "bare share", "share of relight and resolve that the technique's bare pass takes (column floor)");
+  if (has("resolve_device_ms") || has("clocks"))
+    if (const auto count = std::ranges::count(records, std::optional(false), clocks_agree); count > 0)
+      say("clocks", fmt::format("device and host contradict each other in {} row{}: do not trust their times (column clocks)",
+                                count, count == 1 ? "" : "s"));
+  add("error", "error", "mean difference from the reference over the tested pixels; rows are judged by it");
+  add("wrong_rate", "wrong", "share of the tested pixels that are dark where the reference is lit, or lit where it is dark");
+  if (has_metric(records, "constant_error")) say("best constant mask", constant_note);
+  add("light_error_max", "worst light", "the largest error of one light's mask");
+  add("received_error_rms", "received error rms",
+      "root mean square of the difference in irradiance, as a share of the reference's");
+  add("error_floor", "error floor", floor_note);
+  add("other_error_mean", "other error",
+      "difference from the light's share of irradiance, or from its share of area where the technique estimates irradiance");
+  add("contact_hardening", "contact hardening",
+      "growth of the penumbra's width with the caster's distance, technique to reference");
+  if (has_metric(records, "snapping_floor"))
+    add("snapping_floor", "snapping floor",
+        has_unusual_grid(records)
+            ? "share of pixels whose reference changes when samples shift by half the rasterizer's grid (without OpenGL, by "
+              "1/512 pixel); rasterizers cannot do better"
+            : "share of pixels whose reference changes when samples shift by 1/512 pixel; rasterizers cannot do better");
 }
 
 /// "5 processes x 3 repetitions", every combination that occurs in a stage after setup.
@@ -160,8 +197,7 @@ std::vector<std::string> headline_columns(std::span<const Record> records, bool 
     if (std::ranges::any_of(records, [](const Record& r) { return !r.path.empty(); })) names.emplace_back("path");
     if (varies(&Record::width) || varies(&Record::height)) names.insert(names.end(), {"width", "height"});
     if (varies(&Record::truth)) names.emplace_back("truth");
-    static constexpr std::string_view of_place[] = {"constant_error"};
-    add_known(names, records, of_place);
+    add_known(names, records, {"constant_error"});
   }
   names.insert(names.end(), {"technique", "support", "setup_ms", "build_ms", "relight_ms", "resolve_ms"});
   const auto has_device_times = [](const Record& r) { return !r.device_times(Stage::resolve).empty(); };
@@ -171,10 +207,9 @@ std::vector<std::string> headline_columns(std::span<const Record> records, bool 
   add_error_columns(names, records);
   const bool with_hard = any_is(records, AnswerKind::binary);
   if (with_hard) names.insert(names.end(), {"wrong_rate_all", "false_dark_rate", "false_lit_rate"});
-  if (std::any_of(records.begin(), records.end(), [](const Record& r) { return !top_causes(r).empty(); }))
-    names.emplace_back("causes");
+  if (std::ranges::any_of(records, [](const Record& r) { return !top_causes(r).empty(); })) names.emplace_back("causes");
   if (with_hard) names.insert(names.end(), {"displacement_mean", "displacement_p95"});
-  if (any_is(records, AnswerKind::fraction)) add_known(names, records, soft_metrics);
+  add_soft_columns(names, records);
   add_class_columns(names);
   return names;
 }
@@ -184,12 +219,12 @@ std::vector<std::string> paper_columns(std::span<const Record> records) {
   add_error_columns(names, records);
   if (any_is(records, AnswerKind::binary))
     names.insert(names.end(), {"false_dark_rate", "false_lit_rate", "displacement_mean"});
-  if (any_is(records, AnswerKind::fraction)) add_known(names, records, soft_metrics);
+  add_soft_columns(names, records);
   add_class_columns(names);
   return names;
 }
 
-/// Which programs measured the rows, where it was more than one; of rows without a hash of the code their commits tell.
+/// Which programs measured the rows, where it was more than one; rows without a hash of the code count by their commits.
 std::string mixed_programs(std::span<const Record> records) {
   std::map<std::string, std::size_t> programs;
   std::map<std::string, std::set<std::string>> sources;  // by technique and settings
@@ -213,12 +248,8 @@ Remarks provenance(std::span<const Record> records) {
   const auto add = [&](const char* topic, std::string text) {
     lines.emplace_back(topic, text.empty() ? "-" : std::move(text));
   };
-  static constexpr std::pair<const char*, const char*> keys[] = {{"renderer", "gl_renderer"},
-                                                                 {"processor", "processor"},
-                                                                 {"threads", "threads"},
-                                                                 {"version", "version"},
-                                                                 {"commit", "commit"}};
-  for (const auto& [topic, key] : keys) add(topic, joined(context_values(records, key), "; "));
+  add("renderer", joined(context_values(records, "gl_renderer"), "; "));
+  for (const char* key : {"processor", "threads", "version", "commit"}) add(key, joined(context_values(records, key), "; "));
   if (std::string mixed = mixed_programs(records); !mixed.empty()) add("mixed", std::move(mixed));
   add("processes x repetitions", repetition_plan(records));
   const auto has_kept_shaders = [](const Record& r) {
@@ -257,30 +288,6 @@ Layout::Row row_of(const Record& record, std::span<const Column> columns) {
   return row;
 }
 
-namespace {
-
-/// What the columns of errors say.
-void add_error_shorthands(Layout& layout, std::span<const Record> records) {
-  const auto add = [&](std::string_view column, std::string_view word, std::string text) {
-    if (std::ranges::find(layout.columns, column, &Column::name) != layout.columns.end())
-      layout.shorthands.emplace_back(word, std::move(text));
-  };
-  add("error", "error", "mean difference from the reference over the tested pixels; rows are judged by it");
-  add("wrong_rate", "wrong", "share of the tested pixels that are dark where the reference is lit, or lit where it is dark");
-  if (has_metric(records, "constant_error")) layout.shorthands.emplace_back("best constant mask", constant_note);
-  add("light_error_max", "worst light", "the largest error of one light's mask");
-  add("received_error_rms", "received error rms",
-      "root mean square of the difference in irradiance, as a share of the "
-      "reference's");
-  add("error_floor", "error floor", floor_note);
-  add("other_error_mean", "other error",
-      "difference from the light's share of irradiance, or from its share of area where the technique estimates irradiance");
-  add("contact_hardening", "contact hardening",
-      "growth of the penumbra's width with the caster's distance, technique to reference");
-}
-
-}  // namespace
-
 Layout lay_out(std::span<const Record> records, std::span<const std::string> names) {
   Layout layout{.columns = select(all_columns(records), names), .provenance = provenance(records)};
   const std::vector<Column>& columns = layout.columns;
@@ -311,38 +318,10 @@ Layout lay_out(std::span<const Record> records, std::span<const std::string> nam
   for (const Layout::Group& group : layout.groups)
     if (const std::string text = uncertainty(group); !text.empty()) layout.shorthands.emplace_back("uncertain", text);
 
-  const auto has_column = [&](std::string_view name) {
-    return std::ranges::find(columns, name, &Column::name) != columns.end();
-  };
   layout.best = "best contender of its group";
   if (std::ranges::any_of(columns, [](const Column& c) { return c.log_time != nullptr; }))
     layout.best += "; of times, all that cannot be told apart from the best one";
-  if (has_null) layout.shorthands.emplace_back("-", "not measured or not defined");
-  if (std::ranges::find(columns, "ms", &Column::unit) != columns.end())
-    layout.shorthands.emplace_back("ms", "median of the medians of the processes");
-  if (has_column("silhouette_share") || has_column("grazing_share") || has_column("uncertain_share"))
-    layout.shorthands.emplace_back("S, G, U",
-                                   "shares of the pixels facing the light that are not tested: silhouette, grazing, uncertain");
-  if (has_column("resolve_device_ms"))
-    layout.shorthands.emplace_back("on device",
-                                   "time by the clock of the OpenGL device; ms alone is by the clock of the "
-                                   "host, which waits for the device");
-  if (has_column("floor_share"))
-    layout.shorthands.emplace_back("bare share",
-                                   "share of relight and resolve that the technique's bare pass takes (column floor)");
-  if (has_column("resolve_device_ms") || has_column("clocks"))
-    if (const auto count = std::ranges::count(records, std::optional(false), clocks_agree); count > 0)
-      layout.shorthands.emplace_back("clocks", fmt::format("device and host contradict each other in {} row{}: do not "
-                                                           "trust their times (column clocks)",
-                                                           count, count == 1 ? "" : "s"));
-  add_error_shorthands(layout, records);
-  if (has_column("snapping_floor") && has_metric(records, "snapping_floor"))
-    layout.shorthands.emplace_back(
-        "snapping floor",
-        has_unusual_grid(records)
-            ? "share of pixels whose reference changes when samples shift by half the rasterizer's grid (without OpenGL, by "
-              "1/512 pixel); rasterizers cannot do better"
-            : "share of pixels whose reference changes when samples shift by 1/512 pixel; rasterizers cannot do better");
+  add_shorthands(layout, records, has_null);
   return layout;
 }
 

@@ -1,8 +1,5 @@
 #pragma once
-#include <span>
-#include <string>
 #include <utility>
-#include <vector>
 
 #include "report/table/columns.h"
 #include "report/table/table.h"
@@ -12,7 +9,7 @@ namespace gnomon {
 /// Lines below a table: topic or mark, and text.
 using Remarks = std::vector<std::pair<std::string, std::string>>;
 
-/// A table before it takes a form: which rows stand together, which cells are marked, what stands below.
+/// A table before it takes a form: groups of rows, marks of cells, lines below the rows.
 struct Layout {
   struct Row {
     std::vector<Cell> cells = {};    ///< one per column
@@ -73,7 +70,7 @@ std::string csv_heads(std::span<const Column> columns);
 std::string csv_line(std::span<const Cell> cells);
 std::string json_table(const Layout& layout);
 
-/// A field of RFC 4180: quoted when it holds a comma, a quote or a line break, quotes doubled.
+/// A field of RFC 4180: quoted when it contains a comma, a quote or a line break, quotes doubled.
 std::string csv_field(std::string_view text);
 /// Text with everything that LaTeX reads as a command made harmless.
 std::string latex_text(std::string_view text);

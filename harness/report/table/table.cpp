@@ -1,7 +1,5 @@
 #include "report/table/table.h"
 
-#include <algorithm>
-
 #include "analysis/in_order.h"
 #include "report/table/layout.h"
 
@@ -13,11 +11,7 @@ Format format_named(std::string_view name) {
   return static_cast<Format>(std::ranges::find(names, name) - names.begin());
 }
 
-std::vector<std::string> column_names(std::span<const Record> records) {
-  std::vector<std::string> names;
-  for (const Column& column : all_columns(records)) names.push_back(column.name);
-  return names;
-}
+std::vector<std::string> column_names(std::span<const Record> records) { return names_in(all_columns(records)); }
 
 namespace {
 
@@ -44,7 +38,7 @@ constexpr std::string_view dispensable[] = {"displacement_p95",
                                             "false_lit_rate",
                                             "false_dark_rate"};
 
-/// The rows of one kind of answer, and what stands below their table of where they were made.
+/// The rows of one kind of answer, and the lines below their table that say where they were made.
 struct Part {
   std::vector<Record> records;
   Remarks provenance = {};
@@ -62,19 +56,6 @@ std::vector<Part> parts_of(std::span<const Record> records) {
   if (parts.empty()) parts.emplace_back();
   parts.back().provenance = provenance(records);
   return parts;
-}
-
-/// The lights of the part's rows, which have all one kind of answer.
-std::string_view lights_of(const Part& part) {
-  switch (part.records.front().answer) {
-    case AnswerKind::binary:
-      return "lights without area";
-    case AnswerKind::fraction:
-      return "lights with area";
-    case AnswerKind::received:
-      break;
-  }
-  return "several lights together";
 }
 
 /// The headline table, without some columns where the terminal is too narrow for all; says which.
@@ -114,27 +95,17 @@ std::string chosen_table(const Part& part, const std::vector<std::string>& names
 }  // namespace
 
 std::string render_layout(Layout layout, Format format, const TableOptions& options) {
-  const bool for_programs = format == Format::csv || format == Format::json;
-  const Audience hidden = for_programs ? Audience::people : Audience::programs;
+  const Audience hidden = format == Format::csv || format == Format::json ? Audience::people : Audience::programs;
   for (std::ptrdiff_t i = std::ssize(layout.columns) - 1; i >= 0; --i) {
     if ((layout.columns.begin() + i)->audience != hidden) continue;
     layout.columns.erase(layout.columns.begin() + i);
     for (Layout::Group& group : layout.groups)
       for (Layout::Row& row : group.rows) row.cells.erase(row.cells.begin() + i);
   }
-  switch (format) {
-    case Format::terminal:
-      return terminal_table(layout, options.width);
-    case Format::markdown:
-      return markdown_table(layout);
-    case Format::latex:
-      return latex_table(layout, options);
-    case Format::csv:
-      return csv_table(layout);
-    case Format::json:
-      break;
-  }
-  return json_table(layout);
+  if (format == Format::terminal) return terminal_table(layout, options.width);
+  if (format == Format::markdown) return markdown_table(layout);
+  if (format == Format::latex) return latex_table(layout, options);
+  return format == Format::csv ? csv_table(layout) : json_table(layout);
 }
 
 std::string render_table(std::span<const Record> records, Format format, const TableOptions& options) {
@@ -154,7 +125,8 @@ std::string render_table(std::span<const Record> records, Format format, const T
   const std::vector<Part> parts = parts_of(records);
   for (const Part& part : parts) {
     const bool is_last = &part == &parts.back();
-    if (parts.size() > 1 && options.caption.empty()) here.caption = fmt::format("{}: {}.", caption, lights_of(part));
+    if (parts.size() > 1 && options.caption.empty())
+      here.caption = fmt::format("{}: {}.", caption, lights_text(part.records.front().answer));
     if (const auto number = &part - parts.data() + 1; number > 1) here.label = fmt::format("{}:{}", options.label, number);
     text += format == Format::terminal ? fitted_table(part, options.width)
             : format == Format::latex  ? chosen_table(part, paper_columns(part.records), format, here)

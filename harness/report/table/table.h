@@ -36,7 +36,4 @@ void write_csv(const std::filesystem::path& dir, const TableOptions& options,
 /// Names and headings of the columns that these records can fill: what `columns` may hold.
 std::vector<std::string> column_names(std::span<const Record> records);
 
-/// Name of the JSON table's schema.
-inline constexpr std::string_view table_schema = "gnomon-table-1";
-
 }  // namespace gnomon

@@ -1,8 +1,6 @@
 // The CSV table of a run that may be larger than memory.
-#include <map>
-
+#include "analysis/in_order.h"
 #include "report/table/layout.h"
-#include "report/table/table.h"
 
 namespace gnomon {
 
@@ -25,40 +23,25 @@ std::string words(const Record& part) {
   return text;
 }
 
-/// One record of each kind that has columns of its own, in the order of the table.
-class Kinds {
- public:
-  void add(const Record& record) {
-    Record part = columns_part(record);
-    const auto [found, is_new] = known_.try_emplace(words(part), parts_.size());
-    if (is_new) parts_.push_back(std::move(part));
-    of_line_.push_back(found->second);
-  }
-
-  std::vector<Record> in_order(std::span<const std::size_t> lines) const {
-    std::vector<Record> result;
-    std::vector<bool> is_there(parts_.size());
-    for (const std::size_t line : lines) {
-      if (is_there[of_line_[line]]) continue;
-      is_there[of_line_[line]] = true;
-      result.push_back(parts_[of_line_[line]]);
-    }
-    return result;
-  }
-
- private:
-  std::map<std::string, std::size_t> known_;
-  std::vector<Record> parts_;
-  std::vector<std::size_t> of_line_;
-};
-
 }  // namespace
 
 void write_csv(const std::filesystem::path& dir, const TableOptions& options,
                const std::function<void(const std::string&)>& write) {
-  Kinds kinds;
-  RecordLines lines(dir, [&](const Record& record) { kinds.add(record); });
-  std::vector<Column> columns = all_columns(kinds.in_order(lines.order()));
+  // One record of each kind that has columns of its own.
+  std::vector<Record> kinds;
+  std::map<std::string, std::size_t> known;
+  std::vector<std::size_t> kind_of_line;
+  RecordLines lines(dir, [&](const Record& record) {
+    Record part = columns_part(record);
+    const auto [found, is_new] = known.try_emplace(words(part), kinds.size());
+    if (is_new) kinds.push_back(std::move(part));
+    kind_of_line.push_back(found->second);
+  });
+  std::vector<std::size_t> order;  // of the kinds in the table
+  for (const std::size_t line : lines.order()) add_once(order, kind_of_line[line]);
+  std::vector<Record> kinds_in_order;
+  for (const std::size_t kind : order) kinds_in_order.push_back(std::move(kinds[kind]));
+  std::vector<Column> columns = all_columns(kinds_in_order);
   if (!options.columns.empty()) columns = select(columns, options.columns);
   std::erase_if(columns, [](const Column& column) { return column.audience == Audience::people; });
   write(csv_heads(columns));

@@ -32,7 +32,7 @@ Json cell_json(const Cell& cell) {
 }  // namespace
 
 std::string csv_field(std::string_view text) {
-  // A spreadsheet takes a field for a formula that opens so, unless an apostrophe stands before it.
+  // A spreadsheet takes a field that opens so for a formula, unless an apostrophe precedes it.
   const bool is_formula = text.starts_with('=') || text.starts_with('@') ||
                           ((text.starts_with('+') || text.starts_with('-')) && text.find_first_of("=|(!@") != text.npos);
   if (!is_formula && text.find_first_of(",\"\r\n") == text.npos) return std::string(text);
@@ -67,7 +67,7 @@ std::string csv_table(const Layout& table) {
 }
 
 std::string json_table(const Layout& table) {
-  Json json = {{"schema", table_schema}};
+  Json json = {{"schema", "gnomon-table-1"}};
   if (!table.title.empty()) json["title"] = table.title;
   Json& heads = json["columns"] = Json::array();
   for (const Column& column : table.columns) heads.push_back(column_json(column));

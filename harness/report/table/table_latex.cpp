@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <array>
 #include <numeric>
 
@@ -36,35 +37,12 @@ constexpr std::array<std::pair<std::string_view, std::string_view>, 25> replacem
     {"\n", " "},
 }};
 
-}  // namespace
-
-std::string latex_text(std::string_view text) {
-  std::string safe;
-  while (!text.empty()) {
-    std::size_t taken = 0;
-    for (const auto& [from, to] : replacements)
-      if (text.starts_with(from)) {
-        safe += to;
-        taken = from.size();
-        break;
-      }
-    if (taken == 0) {
-      safe += text.front();
-      taken = 1;
-    }
-    text.remove_prefix(taken);
-  }
-  return safe;
-}
-
-namespace {
-
 constexpr std::size_t page_lines = 34;   // of small print, beside caption and rules, on a page in landscape
 constexpr std::size_t page_width = 150;  // characters of small print across it
 constexpr std::size_t held_floats = 40;  // printed together; LaTeX gives up when it holds more than 52
 constexpr std::size_t least_text = 14;   // no column of words becomes narrower
 
-/// A row cut into lines: words wrap, numbers stand on the first.
+/// A row cut into lines: words wrap, numbers are on the first.
 std::vector<std::vector<std::string>> lines_of(const Layout::Row& row, const Layout& layout,
                                                const std::vector<std::size_t>& widths) {
   std::vector<std::vector<std::string>> lines;
@@ -165,7 +143,7 @@ std::vector<std::string> pages_of(std::span<const Block> blocks) {
   return pages;
 }
 
-/// What stands below the last float, in LaTeX.
+/// The lines below the last float, in LaTeX.
 std::vector<std::string> lines_below(const Layout& layout) {
   std::vector<std::string> lines;
   for (std::size_t i = 0; i < layout.reasons.size(); ++i)
@@ -179,6 +157,17 @@ std::vector<std::string> lines_below(const Layout& layout) {
 }
 
 }  // namespace
+
+std::string latex_text(std::string_view text) {
+  std::string safe;
+  while (!text.empty()) {
+    const auto* const found = std::ranges::find_if(replacements, [&](const auto& one) { return text.starts_with(one.first); });
+    const bool is_plain = found == replacements.end();
+    safe += is_plain ? text.substr(0, 1) : found->second;
+    text.remove_prefix(is_plain ? 1 : found->first.size());
+  }
+  return safe;
+}
 
 std::string latex_table(const Layout& layout, const TableOptions& options) {
   const std::string& caption = options.caption.empty() ? layout.title : options.caption;

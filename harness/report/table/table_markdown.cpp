@@ -5,12 +5,8 @@ namespace gnomon {
 std::string markdown_text(std::string_view text) {
   std::string safe;
   for (const char c : text) {
-    if (c == '\n' || c == '\r') {
-      safe += ' ';
-      continue;
-    }
     if (std::string_view("|\\`*_[]<>").find(c) != std::string_view::npos) safe += '\\';
-    safe += c;
+    safe += c == '\n' || c == '\r' ? ' ' : c;
   }
   return safe;
 }

@@ -34,8 +34,7 @@ std::size_t fitting(std::string_view text, std::size_t width) {
 std::size_t longest_piece(std::string_view text) {
   std::size_t longest = 0;
   while (!text.empty()) {
-    const std::size_t end = text.find_first_of(breaks);
-    const std::size_t next = end == text.npos ? text.size() : end + 1;
+    const std::size_t end = text.find_first_of(breaks), next = end == text.npos ? text.size() : end + 1;
     const bool ends_in_blank = end != text.npos && text[end] == ' ';
     longest = std::max(longest, display_width(text.substr(0, ends_in_blank ? end : next)));
     text.remove_prefix(next);

@@ -1,6 +1,7 @@
 // One pixel class after the other from points made by hand, each a scene that has exactly that.
 #include "measure/frame/classify.h"
 
+#include <gnomon/kit/rays/gbuffer_maker.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -8,7 +9,6 @@
 #include <random>
 
 #include "hand_made.h"
-#include "measure/frame/gbuffer_maker.h"
 #include "measure/frame/light_rays.h"
 #include "measure/frame/ray_packets.h"
 

@@ -1,10 +1,10 @@
 #include <gnomon/kit/geometry/camera.h>
 #include <gnomon/kit/geometry/shapes.h>
+#include <gnomon/kit/rays/gbuffer_maker.h>
 #include <gtest/gtest.h>
 
 #include <random>
 
-#include "measure/frame/gbuffer_maker.h"
 #include "small_world.h"
 
 namespace gbuffer_test {

@@ -1,13 +1,13 @@
 #pragma once
 // Masks that foreign renderers made: tests/witness/README.md says how to read them.
 #include <fmt/format.h>
+#include <gnomon/kit/rays/gbuffer_maker.h>
 #include <gnomon/kit/rays/rays.h>
 
 #include <algorithm>
 #include <filesystem>
 
 #include "measure/frame/classify.h"
-#include "measure/frame/gbuffer_maker.h"
 #include "measure/picture/picture.h"
 #include "measure/scene/load.h"
 #include "places.h"

@@ -1,5 +1,6 @@
 #include "measure/score/together.h"
 
+#include <gnomon/kit/rays/gbuffer_maker.h>
 #include <gtest/gtest.h>
 
 #include <array>
@@ -8,7 +9,6 @@
 #include <numeric>
 
 #include "measure/cause/own_causes.h"
-#include "measure/frame/gbuffer_maker.h"
 #include "measure/picture/picture.h"
 #include "measure/picture/shading.h"
 #include "measure/scene/load.h"

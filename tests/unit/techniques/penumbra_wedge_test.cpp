@@ -222,7 +222,8 @@ TEST(PenumbraWedge, layers_by_edges_are_those_on_the_way_to_every_place) {
     outline.hull = hull_of(light);
     casters.adjacency().find_silhouette(homogeneous_of_center(light), outline.silhouette);
     outline.wedges.make(casters.adjacency(), outline.silhouette, outline.hull, casters.extent());
-    casters.find_triangles(outline.silhouette, outline.hull.box, outline.crossing);
+    const auto is_part = [&](std::uint32_t t) { return outline.silhouette.facing[t] != 0; };
+    casters.find_in(outline.hull.box, is_part, outline.crossing);
     const GBuffer& g = picture.gbuffer;
     for (std::size_t i = 0; i < g.size(); ++i) {
       if (!faces_light(scene, g, light, i)) continue;

@@ -1,8 +1,8 @@
 #pragma once
+#include <gnomon/kit/rays/gbuffer_maker.h>
 #include <gnomon/kit/rays/rays.h>
 
 #include "measure/frame/classify.h"
-#include "measure/frame/gbuffer_maker.h"
 
 namespace shape_world {
 using namespace gnomon;

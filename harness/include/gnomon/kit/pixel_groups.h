@@ -3,10 +3,7 @@
 #include <gnomon/kit/parallel.h>
 
 #include <algorithm>
-#include <optional>
-#include <span>
 #include <utility>
-#include <vector>
 
 namespace gnomon {
 
@@ -26,7 +23,7 @@ PixelGroup group_of(const GBuffer& gbuffer, std::span<const std::uint32_t> pixel
 std::pair<std::span<std::uint32_t>, std::span<std::uint32_t>> halve(const GBuffer& gbuffer, const Bounds& box,
                                                                     std::span<std::uint32_t> pixels);
 
-/// Halves pixels as long as narrow(level, group) says that there is too much to ask about each of them: levels count halvings
+/// Halves pixels as long as narrow(level, group) says that there is too much to test for each of them: levels count halvings
 /// from 0, and the group of the level above was narrowed last. Then use(group, pixels).
 template <class Narrow, class Use>
 void for_narrow_groups(const GBuffer& gbuffer, std::span<std::uint32_t> pixels, const Narrow& narrow, const Use& use,
@@ -44,7 +41,16 @@ inline constexpr int tile_side = 16;
 std::size_t tile_count(const GBuffer& gbuffer);
 /// The pixels of a tile for which is_asked(pixel), mesh after mesh.
 template <class IsAsked>
-void pixels_of_tile(const GBuffer& gbuffer, std::size_t tile, const IsAsked& is_asked, std::vector<std::uint32_t>& pixels);
+void pixels_of_tile(const GBuffer& gbuffer, std::size_t tile, const IsAsked& is_asked, std::vector<std::uint32_t>& pixels) {
+  const std::size_t columns = (gbuffer.width + tile_side - 1) / tile_side;
+  const int left = static_cast<int>(tile % columns) * tile_side, top = static_cast<int>(tile / columns) * tile_side;
+  pixels.clear();
+  for (int y = top; y < std::min(top + tile_side, gbuffer.height); ++y)
+    for (int x = left; x < std::min(left + tile_side, gbuffer.width); ++x)
+      if (const std::size_t i = static_cast<std::size_t>(y) * gbuffer.width + x; is_asked(i))
+        pixels.push_back(static_cast<std::uint32_t>(i));
+  std::ranges::stable_sort(pixels, {}, [&](std::uint32_t i) { return gbuffer.mesh[i]; });
+}
 
 /// On all threads: use(pixels, tile, scratch) for the pixels of each mesh in each tile that is_asked(pixel), in the order of
 /// the picture. `borrow()` gives a thread its scratch.
@@ -63,18 +69,6 @@ void for_pixel_groups(const GBuffer& gbuffer, const IsAsked& is_asked, const Bor
       }
     }
   });
-}
-
-template <class IsAsked>
-void pixels_of_tile(const GBuffer& gbuffer, std::size_t tile, const IsAsked& is_asked, std::vector<std::uint32_t>& pixels) {
-  const std::size_t columns = (gbuffer.width + tile_side - 1) / tile_side;
-  const int left = static_cast<int>(tile % columns) * tile_side, top = static_cast<int>(tile / columns) * tile_side;
-  pixels.clear();
-  for (int y = top; y < std::min(top + tile_side, gbuffer.height); ++y)
-    for (int x = left; x < std::min(left + tile_side, gbuffer.width); ++x)
-      if (const std::size_t i = static_cast<std::size_t>(y) * gbuffer.width + x; is_asked(i))
-        pixels.push_back(static_cast<std::uint32_t>(i));
-  std::ranges::stable_sort(pixels, {}, [&](std::uint32_t i) { return gbuffer.mesh[i]; });
 }
 
 }  // namespace gnomon

@@ -4,12 +4,10 @@
 #include <ImfHeader.h>
 #include <ImfInputFile.h>
 #include <ImfOutputFile.h>
-#include <gnomon/error.h>
 
 #include <algorithm>
 
-#include "measure/picture/image_module/image_reader.h"
-#include "measure/picture/image_module/image_writer.h"
+#include "measure/picture/image_module/image_formats.h"
 
 namespace gnomon::image_module {
 namespace {
@@ -18,13 +16,13 @@ std::string words(const Imath::Box2i& window) {
   return fmt::format("({}, {}) .. ({}, {})", window.min.x, window.min.y, window.max.x, window.max.y);
 }
 
-/// Where a channel stands among those of its layer; EXR sorts them by the alphabet.
+/// The place of a channel among those of its layer; EXR sorts them by the alphabet.
 int rank(const std::string& name) {
   static constexpr std::string_view order = "RGBYA";
   const std::size_t dot = name.rfind('.');
   const std::string_view last = std::string_view(name).substr(dot == std::string::npos ? 0 : dot + 1);
-  const std::size_t place = last.size() == 1 ? order.find(last[0]) : std::string_view::npos;
-  return place == std::string_view::npos ? static_cast<int>(order.size()) : static_cast<int>(place);
+  const std::size_t place = last.size() == 1 ? order.find(last[0]) : order.npos;
+  return static_cast<int>(std::min(place, order.size()));
 }
 
 /// The picture is what the display window shows. What the file holds beside it is cut off.

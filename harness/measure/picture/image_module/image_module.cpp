@@ -1,28 +1,23 @@
 // The image module: what ImageFiles offers, by the format of each file.
 #include <dlfcn.h>
-#include <gnomon/error.h>
 #include <unistd.h>
 
 #include <algorithm>
-#include <array>
 #include <cstring>
 #include <fstream>
 #include <functional>
 
-#include "measure/picture/image_module/image_reader.h"
-#include "measure/picture/image_module/image_writer.h"
+#include "measure/picture/image_module/image_formats.h"
 
 namespace gnomon::image_module {
 
 namespace fs = std::filesystem;
 
-/// An image file under a temporary name that becomes the real one only when it is whole.
+/// An image file under a temporary name that becomes the real one only when it is whole. The caller has called make_way.
 void write_image(const fs::path& path, const std::function<void(const fs::path&)>& write) {
   std::error_code code;
   if (path.has_parent_path()) fs::create_directories(path.parent_path(), code);
   if (code) throw Error("folder {} cannot be made: {}", path.parent_path().string(), code.message());
-  if (fs::exists(path, code) && !fs::is_regular_file(path, code))
-    throw Error("{} cannot be written: it is there and no regular file", path.string());
   const fs::path temporary = path.parent_path() / fmt::format(".{}.part{}", getpid(), path.extension().string());
   try {
     write(temporary);
@@ -62,17 +57,20 @@ std::unique_ptr<ImageReader> open_by_format(const fs::path& path) {
   return open_other(path);
 }
 
+/// What `read` returns; its reason not to with the file's name.
+template <class Read>
+auto read_from(const fs::path& path, const Read& read) try {
+  return read();
+} catch (const std::exception& error) {
+  throw Error("{} cannot be read: {}", path.string(), error.what());
+}
+
 /// A picture from outside, of a size that can be scored, and of which there are bytes enough that it may be whole.
 std::unique_ptr<ImageReader> open_image(const fs::path& path) {
   constexpr std::uint64_t most_pixels_per_byte = 100'000;  // of one color throughout, compressed by the best that there is
   if (!fs::exists(path)) throw Error("{} cannot be read: there is no such file", path.string());
   if (!fs::is_regular_file(path)) throw Error("{} cannot be read: it is not a file", path.string());
-  std::unique_ptr<ImageReader> input;
-  try {
-    input = open_by_format(path);
-  } catch (const std::exception& error) {
-    throw Error("{} cannot be read: {}", path.string(), error.what());
-  }
+  std::unique_ptr<ImageReader> input = read_from(path, [&] { return open_by_format(path); });
   const int width = input->width, height = input->height;
   if (std::min(width, height) < 1 || std::max(width, height) > most_side)
     throw Error("{} is {}x{}; sides are 1 .. {} pixels", path.string(), width, height, most_side);
@@ -88,12 +86,8 @@ std::vector<float> read_exr(const fs::path& path, const std::string& channel, in
     throw Error("{} is {}x{}; {}x{} is wanted", path.string(), input->width, input->height, width, height);
   const auto found = std::ranges::find(input->channels, channel);
   if (found == input->channels.end())
-    throw Error("{} has no channel {}; it has: {}", path.string(), channel, joined(input->channels, ", "));
-  try {
-    return input->read(static_cast<std::size_t>(found - input->channels.begin()));
-  } catch (const std::exception& error) {
-    throw Error("{} cannot be read: {}", path.string(), error.what());
-  }
+    throw Error("{} has no channel {}; it has: {}", path.string(), channel, joined(input->channels));
+  return read_from(path, [&] { return input->read(static_cast<std::size_t>(found - input->channels.begin())); });
 }
 
 std::vector<std::string> exr_channels(const fs::path& path) { return open_image(path)->channels; }

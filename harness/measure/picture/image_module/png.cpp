@@ -1,5 +1,4 @@
 // PNG, by libpng. It jumps out of its functions on an error: what is called under `guarded` has nothing to destroy.
-#include <gnomon/error.h>
 #include <png.h>
 
 #include <algorithm>
@@ -9,8 +8,7 @@
 #include <cstdlib>
 #include <cstring>
 
-#include "measure/picture/image_module/image_reader.h"
-#include "measure/picture/image_module/image_writer.h"
+#include "measure/picture/image_module/image_formats.h"
 
 namespace gnomon::image_module {
 namespace {

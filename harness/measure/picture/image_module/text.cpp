@@ -1,13 +1,12 @@
 // Words on pictures, by FreeType.
 #include <ft2build.h>
-#include <gnomon/error.h>
 #include FT_FREETYPE_H
 
 #include <algorithm>
 #include <cstdlib>
 #include <mutex>
 
-#include "measure/picture/image_module/image_writer.h"
+#include "measure/picture/image_module/image_formats.h"
 
 namespace gnomon::image_module {
 namespace {
@@ -30,7 +29,7 @@ fs::path font_file() {
   return {};
 }
 
-/// Null where there is no font, which is said once: pictures then have no words.
+/// Null where there is no font, which one note reports: pictures then have no words.
 FT_Face load_font() {
   constexpr int size = 13;  // pixels
   FT_Library library = nullptr;
@@ -43,7 +42,7 @@ FT_Face load_font() {
   return face;
 }
 
-/// The next character of a text in UTF-8; a byte that begins none stands for itself.
+/// The next character of a text in UTF-8; a byte that begins none is a character of its own.
 FT_ULong next_character(const std::string& words, std::size_t& at) {
   const auto byte = [&](std::size_t i) { return i < words.size() ? static_cast<unsigned char>(words[i]) : 0u; };
   const unsigned first = byte(at++);
@@ -71,12 +70,8 @@ int draw_text(std::span<std::uint8_t> rgb, int width, int height, int x, int y, 
         const int px = pen + glyph->bitmap_left + column, py = y - glyph->bitmap_top + row;
         if (px < 0 || px >= width || py < 0 || py >= height) continue;
         const int share = bitmap.buffer[row * bitmap.pitch + column];
-        for (int c = 0; c < 3; ++c) {
-          std::uint8_t& value =
-              rgb[3 * (static_cast<std::size_t>(py) * static_cast<std::size_t>(width) + static_cast<std::size_t>(px)) +
-                  static_cast<std::size_t>(c)];
-          value = static_cast<std::uint8_t>((value * (255 - share) + ink * share + 127) / 255);
-        }
+        std::uint8_t* const pixel = &rgb[3 * (static_cast<std::size_t>(py) * width + px)];
+        for (int c = 0; c < 3; ++c) pixel[c] = static_cast<std::uint8_t>((pixel[c] * (255 - share) + ink * share + 127) / 255);
       }
     pen += static_cast<int>(glyph->advance.x >> 6);
   }

@@ -7,7 +7,7 @@ namespace gnomon {
 /// Independent scrambles of one sequence of places, whose spread is the standard error of what they find together.
 inline constexpr int ray_replicas = 8;
 
-/// Sixteen places of the unit square, to be asked at once.
+/// Sixteen places of the unit square, for sixteen rays at once.
 struct Squares {
   alignas(64) std::array<float, 16> x, y;
 };
@@ -16,26 +16,26 @@ struct Squares {
 struct FaceHits {
   std::uint32_t asked = 0;                     ///< bit k: place k is on the light and above the horizon
   std::uint32_t blocked = 0;                   ///< of these
-  alignas(64) std::array<float, 16> weight{};  ///< irradiance of each, as LightFigure::weight but for a factor; of the asked
+  alignas(64) std::array<float, 16> weight{};  ///< irradiance of each place asked, as LightFigure::weight but for a factor
 };
 
-/// How far a ray to a light with area starts off its surface: a quarter of what a ray to a point does. Casters beside the point
-/// hide the less of the light the higher it starts, which adds up where many rays are averaged; that one of them meets a
-/// neighbor of the surface by rounding does not.
+/// How far a ray to a light with area starts off its surface: a quarter of what a ray to a point does. The higher a ray starts,
+/// the less of the light is hidden by casters beside the point, and that error adds up where many rays are averaged. The error
+/// of one ray that meets a neighbor of the surface by rounding does not.
 double area_ray_offset(const glm::vec3& point);
 
 /// Shadow rays from one point to places of a light with area, by the recipe of all shadow rays (docs/method.md) but for the
 /// start: the receiver left out, the end at the light.
 class FaceRays {
  public:
-  /// From a pixel of a G-buffer. `face` is that of the light from its point.
-  FaceRays(const RayScene& casters, const GBuffer& gbuffer, std::size_t pixel, const LightFigure& face);
-  /// `origin` is where rays start: lifted off the point that `face` was made for, by `lift`, in world space.
+  /// From a pixel of a G-buffer. `figure` is that of the light from its point.
+  FaceRays(const RayScene& casters, const GBuffer& gbuffer, std::size_t pixel, const LightFigure& figure);
+  /// `origin` is where rays start: lifted off the point that `figure` was made for, by `lift`, in world space.
   FaceRays(const RayScene& casters, const glm::vec3& origin, const glm::vec3& lift, std::uint32_t mesh, std::uint32_t triangle,
-           const LightFigure& face);
+           const LightFigure& figure);
 
-  /// A square's (x, y) is the place that far along the box of the face, both ways; where the face holds none there, nothing is
-  /// asked. `wanted`: bit k, whether square k counts.
+  /// A square's (x, y) is the place that far along the box of the figure, both ways; where the figure has none there, no ray
+  /// is traced. `wanted`: bit k, whether square k counts.
   FaceHits ask(const Squares& squares, std::uint32_t wanted = 0xffffu) const;
   /// The rays that `ask` would trace, for a bare loop beside which it is measured. Bit k: whether ray k is one of them.
   std::uint32_t aim_at(const Squares& squares, ShadowPacket& packet) const;
@@ -48,9 +48,9 @@ class FaceRays {
   std::array<float, 30> numbers_;
 };
 
-/// Squares whose places fill the figure of a face, as the unit square fills itself: of a rectangle the places of its whole
-/// square, of a disc by the concentric map (Shirley and Chiu 1997). Those below the horizon are not asked.
-Squares places_on(const LightFigure& face, const Squares& squares);
+/// Squares whose places fill a figure, as the unit square fills itself: of a rectangle the places of its whole
+/// square, of a disc by the concentric map (Shirley and Chiu 1997). No rays go to those below the horizon.
+Squares places_on(const LightFigure& figure, const Squares& squares);
 
 /// Places of the unit square in an order that fills it evenly: the first two dimensions of Sobol's sequence (Sobol 1967), a
 /// (0, 2) sequence in base 2, with its digits scrambled (Owen 1995). Every place is then
@@ -84,7 +84,7 @@ class SortedRounds {
   std::array<Squares, most> packets_;
 };
 
-/// How well a share of the light must be known.
+/// How exact a share of the light must be.
 struct AreaTarget {
   double error = 0.002;      ///< standard error of both shares
   std::uint32_t cap = 8192;  ///< rays of a point, a multiple of 16
@@ -94,7 +94,7 @@ struct AreaTarget {
 struct SampledShares {
   double area = 1, irradiance = 1;
   double area_error = 0, irradiance_error = 0;  ///< never below what one ray more or less would make
-  /// By half of the replicas alone, brought as far from the shares as what is known of their error says: in the mean as far as
+  /// By half of the replicas alone, moved as far from the shares as the estimate of their error says: in the mean as far as
   /// these are from the truth. Not held to 0 .. 1.
   double area_half = 1, irradiance_half = 1;
   std::uint32_t rays = 0;        ///< that the shares are made of
@@ -102,7 +102,7 @@ struct SampledShares {
 };
 
 /// The shares by eight replicas: as many independent scrambles of one sequence, whose spread is the standard error. A pilot
-/// of 64 rays foretells how many are needed; where they turn out too few, more follow up to the cap. Same arguments, same
+/// of 64 rays estimates how many are needed; where they turn out too few, more follow up to the cap. Same arguments, same
 /// answer.
 SampledShares sample_shares(const FaceRays& rays, std::uint64_t seed, const AreaTarget& target);
 

@@ -8,8 +8,8 @@ namespace gnomon {
 
 /// Work of exact answers about lights with area.
 struct AreaTally {
-  std::uint64_t points = 0, triangles = 0,
-                pieces = 0;  ///< points asked; triangles in reach of the light, pieces left, over them
+  std::uint64_t points = 0;                 ///< queried
+  std::uint64_t triangles = 0, pieces = 0;  ///< in reach of the light, and left of it, summed over the points
   AreaTally& operator+=(const AreaTally& other) {
     return add_up(*this, other, &AreaTally::points, &AreaTally::triangles, &AreaTally::pieces);
   }
@@ -22,10 +22,11 @@ class AreaScene {
  public:
   explicit AreaScene(const Scene& scene);
 
-  /// What a receiver with this unit normal sees of a light. `face` is that of the light from there and must be seen. The
-  /// receiver's own triangle, those exactly in its plane, and those in whose plane the point lies cover nothing.
-  LightShares seen(const Receiver& receiver, const LightFigure& face, LightPieces& pieces, AreaTally& tally) const;
+  /// What a receiver sees of a light. `figure` is that of the light from there and must be seen. The receiver's own triangle,
+  /// those exactly in its plane, and those in whose plane the point lies cover nothing.
+  LightShares seen(const Receiver& receiver, const LightFigure& figure, LightPieces& pieces, AreaTally& tally) const;
 
+  const Scene& scene() const { return scene_; }
   std::size_t bytes() const { return tree_.bytes() + bytes_of(corners_, meshes_, triangles_); }
 
  private:

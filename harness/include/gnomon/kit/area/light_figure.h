@@ -1,20 +1,20 @@
 #pragma once
 #include <gnomon/light.h>
 
-#include <array>
+#include <algorithm>
 #include <span>
 #include <vector>
 
 namespace gnomon {
 
 /// What a light with area turns to one point, if nothing is between: a flat figure, or what the point's horizon leaves of it.
-/// Of a sphere it is the disc within the circle where tangents from the point touch: it covers the same directions.
+/// The figure of a sphere is the disc within the circle where tangents from the point touch: it covers the same directions.
 ///
 /// A place of the figure has two coordinates in -1 .. 1: it lies at center + s * half_u + t * half_v. A rectangle holds all of
 /// them, a disc those with s * s + t * t <= 1. Vectors are in meters from the point, in double.
 class LightFigure {
  public:
-  /// `normal` is the surface's, unit, on the side that is asked about.
+  /// `normal` is the surface's, unit, on the side that is queried.
   LightFigure(const Light& light, const glm::dvec3& point, const glm::dvec3& normal);
 
   /// Whether the point sees any of it: some of the figure is above the horizon, the point is not in the figure's plane nor
@@ -36,6 +36,12 @@ class LightFigure {
   /// 0.65.
   struct Box {
     glm::dvec2 low{-1}, high{1};
+    void add(const glm::dvec2& place) {
+      low = glm::min(low, place);
+      high = glm::max(high, place);
+    }
+    /// The place of the box at a place of the unit square.
+    glm::dvec2 at(const glm::dvec2& square) const { return low + square * (high - low); }
   };
   const Box& box() const { return box_; }
   bool holds(const glm::dvec2& place) const {
@@ -68,5 +74,37 @@ void clip_places(std::vector<glm::dvec2>& polygon, const glm::dvec3& line);
 
 /// A linear function of a place, such as LightFigure::horizon.
 inline double line_at(const glm::dvec3& line, const glm::dvec2& place) { return line.x + line.y * place.x + line.z * place.y; }
+
+/// Divides a convex polygon of places by a line: calls inside(place) and outside(place) with the corners of the two parts, in
+/// order. The point where an edge crosses is computed from its inner end, so that both parts get the same one.
+template <class Inside, class Outside>
+void divide_places(std::span<const glm::dvec2> polygon, const glm::dvec3& line, const Inside& inside, const Outside& outside) {
+  double at_here = line_at(line, polygon[0]);
+  for (std::size_t i = 0; i < polygon.size(); ++i) {
+    const glm::dvec2 &here = polygon[i], &next = polygon[i + 1 < polygon.size() ? i + 1 : 0];
+    const double at_next = line_at(line, next);
+    if (at_here >= 0) inside(here);
+    if (at_here <= 0) outside(here);
+    if ((at_here > 0 && at_next < 0) || (at_here < 0 && at_next > 0)) {
+      const bool starts_inside = at_here > 0;
+      const glm::dvec2 &in = starts_inside ? here : next, &out = starts_inside ? next : here;
+      const double at_in = std::max(at_here, at_next), at_out = std::min(at_here, at_next);
+      const glm::dvec2 crossing = in + at_in / (at_in - at_out) * (out - in);
+      inside(crossing);
+      outside(crossing);
+    }
+    at_here = at_next;
+  }
+}
+
+/// Twice the area of a convex polygon of places, as it is wound.
+inline double twice_area(std::span<const glm::dvec2> polygon) {
+  double sum = 0;
+  for (std::size_t i = 2; i < polygon.size(); ++i) {
+    const glm::dvec2 a = polygon[i - 1] - polygon[0], b = polygon[i] - polygon[0];
+    sum += a.x * b.y - a.y * b.x;
+  }
+  return sum;
+}
 
 }  // namespace gnomon

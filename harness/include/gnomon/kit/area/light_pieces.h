@@ -1,4 +1,5 @@
 #pragma once
+#include <gnomon/kit/add_up.h>
 #include <gnomon/kit/area/light_figure.h>
 #include <gnomon/scene.h>
 
@@ -32,7 +33,7 @@ class LightPieces {
   static constexpr int round_corners = 64;
 
   /// All of the figure above the horizon. It must be seen.
-  void start(const LightFigure& face);
+  void start(const LightFigure& figure);
   /// Takes away what a triangle covers; corners in meters from the point. One whose plane holds the point covers nothing.
   void subtract(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c);
   /// Whether nothing is left.
@@ -43,14 +44,11 @@ class LightPieces {
  private:
   struct Piece {
     std::uint32_t first, count;  ///< of corners_
-    glm::dvec2 low, high;
+    LightFigure::Box box;
   };
   struct Measure {
     double area = 0, irradiance = 0;
-    void operator+=(const Measure& other) {
-      area += other.area;
-      irradiance += other.irradiance;
-    }
+    Measure& operator+=(const Measure& other) { return add_up(*this, other, &Measure::area, &Measure::irradiance); }
   };
   /// What lies in the polygon inscribed in a round light, and between that and the circumscribed one.
   struct Measures {
@@ -66,7 +64,7 @@ class LightPieces {
   void add_measures(std::span<const glm::dvec2> polygon, Measures& sums) const;
   std::span<const glm::dvec2> corners(const Piece& piece) const { return {corners_.data() + piece.first, piece.count}; }
 
-  const LightFigure* face_ = nullptr;
+  const LightFigure* figure_ = nullptr;
   std::vector<Piece> pieces_;
   std::vector<glm::dvec2> corners_;  ///< of the pieces, and of some that are gone
   std::size_t live_corners_ = 0;

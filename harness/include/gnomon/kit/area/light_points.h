@@ -27,11 +27,11 @@ inline std::uint64_t places_seed(int seed, std::uint64_t own) { return (static_c
 class PatternPlaces {
  public:
   PatternPlaces(std::string_view pattern, int count, std::uint64_t seed);
-  /// Places 16 * group .. 16 * group + 15. Groups are asked in order, from 0 on; those from `count` on are of no account.
+  /// Places 16 * group .. 16 * group + 15, those from `count` on without meaning. Groups come in order, from 0 on.
   Squares next(std::uint32_t group);
 
  private:
-  void to_stratum(std::uint32_t index, double& x, double& y) const;
+  glm::dvec2 in_stratum(std::uint32_t index, double x, double y) const;
 
   std::string_view pattern_;
   std::uint32_t count_, columns_ = 1;
@@ -40,15 +40,15 @@ class PatternPlaces {
 };
 
 /// `count` points of a light with area, the same for whoever looks: world space, meters, rounded once to float32. On a
-/// rectangle they lie where those of PatternPlaces lie on its face, on a disc as on a face that is seen along its axis, on a
-/// sphere all over its surface. Throws Error on a light without area.
+/// rectangle they lie where those of PatternPlaces lie on its figure, on a disc as on a figure that is seen along its axis, on
+/// a sphere all over its surface. Throws Error on a light without area.
 std::vector<glm::vec3> light_points(const Light& light, std::string_view pattern, int count, std::uint64_t seed);
 
 /// Whether points of the light count by how they lie to a pixel: of spheres, but for those so small beside their place that
-/// float32 does not know the points apart, which are as good as one point.
+/// float32 does not tell the points apart, which are as good as one point.
 bool has_far_side(const Light& light);
 
-/// How much a point of the light counts, seen from a pixel: as much as the share of the light's face that it stands for. 0
+/// How much a point of the light counts, seen from a pixel: as much as the share of the light's figure that it represents. 0
 /// where it is below the pixel's horizon, behind a one-sided light, or on the far side of a sphere. Of a flat light all others
 /// count 1; of a sphere they count by how much of the disc that is seen its surface fills there.
 class PointWeights {

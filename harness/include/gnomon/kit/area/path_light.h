@@ -26,8 +26,8 @@ struct PathOptions {
 struct PathPicture {
   std::vector<float> radiance;  ///< toward the eye, RGB, W/(m2 sr)
   std::vector<float> error;     ///< standard error of each of these numbers
-  std::vector<float>
-      visibility;  ///< the share of the light's irradiance that no caster keeps off; 1 where nothing of it is seen
+  /// The share of the light's irradiance that no caster keeps off; 1 where nothing of it is seen.
+  std::vector<float> visibility;
   std::size_t rays = 0;
 };
 
@@ -52,12 +52,6 @@ std::optional<std::string> endless_bounces(const Scene& scene);
 PathPicture trace_paths(const LightSurfaces& surfaces, const GBuffer& gbuffer, const Light& light, const PathOptions& options,
                         std::atomic<std::size_t>* done = nullptr);
 
-/// The first shadow rays of a pixel's paths, sixteen at a time, as trace_paths asks them: `use(face, squares, hits)`. Nothing
-/// of background, nor where the lamp is not seen.
-template <class Use>
-void ask_first(const RayScene& casters, const GBuffer& gbuffer, std::size_t pixel, const Light& light,
-               const PathOptions& options, const Use& use);
-
 /// Seeds of a pixel's sequences: of the first shadow rays, and of the first ways.
 inline std::uint64_t path_seed(const PathOptions& options, std::size_t pixel, bool is_way) {
   return (options.seed << 33) + 2 * pixel + (is_way ? 1 : 0);
@@ -68,17 +62,19 @@ inline std::uint32_t path_lanes(const PathOptions& options, int round) {
   return left >= 16 ? 0xffffu : (1u << left) - 1;
 }
 
+/// The first shadow rays of a pixel's paths, sixteen at a time, as trace_paths traces them: `use(figure, squares, hits)`.
+/// Nothing of background, nor where the lamp is not seen.
 template <class Use>
 void ask_first(const RayScene& casters, const GBuffer& gbuffer, std::size_t pixel, const Light& light,
                const PathOptions& options, const Use& use) {
   if (gbuffer.is_background(pixel)) return;
-  const LightFigure face(light, gbuffer.position(pixel), gbuffer.normal(pixel));
-  if (!face.is_seen()) return;
-  const FaceRays rays(casters, gbuffer, pixel, face);
+  const LightFigure figure(light, gbuffer.position(pixel), gbuffer.normal(pixel));
+  if (!figure.is_seen()) return;
+  const FaceRays rays(casters, gbuffer, pixel, figure);
   const Scramble scramble(path_seed(options, pixel, false));
   for (int round = 0; 16 * round < options.samples; ++round) {
     const Squares squares = scramble.of_each(static_cast<std::uint32_t>(round));
-    use(face, squares, rays.ask(squares, path_lanes(options, round)));
+    use(figure, squares, rays.ask(squares, path_lanes(options, round)));
   }
 }
 

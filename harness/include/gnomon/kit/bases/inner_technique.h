@@ -8,11 +8,11 @@ namespace gnomon {
 ///   InnerTechnique of{this, "of", "svbsp", Stage::setup, "Whose masks are averaged.", why_not};
 ///   averaged_hard:of=stencil_volume,of.count=zpass
 ///
-/// `technique()` holds the settings and says what is supported; who wants it to run makes objects of `entry()` with
+/// `technique()` holds the settings and says what is supported. To run it, make objects of `entry()` with
 /// `technique().settings()`.
 class InnerTechnique final : public ObjectParameter {
  public:
-  /// Why a technique may not stand there; empty: it may.
+  /// Why a technique is not allowed there; empty: it is.
   using WhyNot = std::string (*)(const TechniqueEntry&);
   InnerTechnique(Parametrized* owner, std::string_view name, std::string_view id, Stage spoils, std::string_view sentence,
                  WhyNot why_not)
@@ -30,7 +30,7 @@ class InnerTechnique final : public ObjectParameter {
   WhyNot why_not_;
 };
 
-/// Kinds of light that a technique knows, by its data sheet, or where that does not say by what it supports over a ground.
+/// Kinds of light that a technique supports: those of its data sheet, or, where that lists none, those supported over a ground.
 std::vector<std::string_view> known_lights(const TechniqueEntry& entry);
 
 /// Why a technique has no hard shadow: it answers for lights with area and for no other.

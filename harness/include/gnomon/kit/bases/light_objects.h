@@ -1,10 +1,6 @@
 #pragma once
 #include <gnomon/registry.h>
 
-#include <memory>
-#include <string>
-#include <vector>
-
 namespace gnomon {
 
 /// A technique as a renderer of several lights holds it: an object for each light. Where the technique can share what setup and

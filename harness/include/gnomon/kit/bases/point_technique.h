@@ -1,10 +1,10 @@
 #pragma once
+#include <gnomon/kit/counts.h>
 #include <gnomon/kit/geometry/receiver.h>
 #include <gnomon/kit/parallel.h>
 #include <gnomon/kit/pictures/layers.h>
 #include <gnomon/kit/shared.h>
 
-#include <algorithm>
 #include <concepts>
 
 namespace gnomon {
@@ -79,27 +79,6 @@ void find_facing(const std::vector<Of>& triangles, const glm::dvec4& light, std:
       signs[i] = static_cast<std::int8_t>(orient3d_sign(p[0], p[1], p[2], light));
     }
   });
-}
-
-/// A count without unit.
-template <class Number>
-Count count_of(std::string name, Number value) {
-  return {std::move(name), static_cast<double>(value), ""};
-}
-/// A count without unit that says how far something went: of several objects the largest.
-template <class Number>
-Count most_of(std::string name, Number value) {
-  return {std::move(name), static_cast<double>(value), "", Count::Together::largest};
-}
-/// `sum` for each of `count`, which may be none.
-inline Count mean_of(std::string name, std::uint64_t sum, std::uint64_t count) {
-  return {std::move(name), static_cast<double>(sum) / static_cast<double>(std::max<std::uint64_t>(count, 1)), "",
-          Count::Together::mean};
-}
-
-/// A debug layer of `heat_layer`, whose sentence ends with how to read it.
-inline DebugLayer heat_debug_layer(std::string name, const std::string& what) {
-  return {std::move(name), what + ": none where the picture is left gray, else colors as in the legend.", heat_legend()};
 }
 
 template <class Work, std::invocable<std::size_t, Work&> Decide>

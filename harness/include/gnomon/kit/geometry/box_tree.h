@@ -2,10 +2,7 @@
 #include <gnomon/kit/bytes.h>
 #include <gnomon/kit/geometry/exact.h>
 
-#include <cstdint>
 #include <limits>
-#include <span>
-#include <vector>
 
 namespace gnomon {
 
@@ -36,33 +33,14 @@ class BoxTree {
   /// one returns true; says whether one did. `reach` may shrink on the way. With reach 0 no item is ever missed.
   template <class Visit>
   bool any(const SegmentSlabs& segment, const double& reach, Visit&& visit) const {
-    for (std::uint32_t i = 0; i < nodes_.size();) {
-      const Node& node = nodes_[i];
-      if (!meets(node, segment, reach)) {
-        i = node.skip;
-        continue;
-      }
-      for (std::uint32_t place = node.first; place < node.first + node.count; ++place)
-        if (visit(place)) return true;
-      ++i;
-    }
-    return false;
+    return walk([&](const Node& node) { return meets(node, segment, reach); }, visit);
   }
 
   /// Calls visit(place) for every item in a box for which meets(lower corner, upper corner) holds, and in all boxes around it;
   /// until `visit` returns true.
   template <class Meets, class Visit>
   void each(const Meets& meets, const Visit& visit) const {
-    for (std::uint32_t i = 0; i < nodes_.size();) {
-      const Node& node = nodes_[i];
-      if (!meets(node.side[0], node.side[1])) {
-        i = node.skip;
-        continue;
-      }
-      for (std::uint32_t place = node.first; place < node.first + node.count; ++place)
-        if (visit(place)) return;
-      ++i;
-    }
+    walk([&](const Node& node) { return meets(node.side[0], node.side[1]); }, visit);
   }
 
   std::size_t bytes() const { return bytes_of(nodes_, order_); }
@@ -74,6 +52,22 @@ class BoxTree {
     std::uint32_t first, count;  ///< places of a leaf; count 0 otherwise
   };
   struct Builder;
+
+  /// Calls visit(place) for the items of the boxes for which is_met(node), until one returns true; says whether one did.
+  template <class IsMet, class Visit>
+  bool walk(const IsMet& is_met, Visit& visit) const {
+    for (std::uint32_t i = 0; i < nodes_.size();) {
+      const Node& node = nodes_[i];
+      if (!is_met(node)) {
+        i = node.skip;
+        continue;
+      }
+      for (std::uint32_t place = node.first; place < node.first + node.count; ++place)
+        if (visit(place)) return true;
+      ++i;
+    }
+    return false;
+  }
 
   /// Why it never misses, with e = 2^-53. Let the segment truly meet the box, at parameters from `near` to `far`, both within
   /// 0 .. end. Per axis, the distance to a side, the way to the light, its inverse and their product each round once, so a

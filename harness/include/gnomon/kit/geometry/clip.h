@@ -1,5 +1,4 @@
 #pragma once
-#include <cassert>
 #include <cstddef>
 #include <cstdint>
 #include <glm/glm.hpp>
@@ -15,7 +14,7 @@ namespace gnomon {
 /// Corner of a convex polygon, and the edge from it to the next corner.
 struct Corner {
   glm::dvec3 at;
-  std::uint32_t edge = 0;  ///< whatever the owner wants to know about the edge; both parts of a cut edge keep it
+  std::uint32_t edge = 0;  ///< the owner's mark of the edge; both parts of a cut edge keep it
 };
 
 /// Points x with dot(normal, x) + offset = 0. With a unit normal `at` is the distance, in the unit of the corners.

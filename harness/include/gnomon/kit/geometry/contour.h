@@ -30,10 +30,10 @@ TangencyCircle tangency_circle(const Sphere& sphere, const glm::dvec4& light);
 struct ConeOutline {
   glm::dvec3 base, axis;  ///< unit axis, from the base to the peak
   double height, radius;
-  Across frame;       ///< u at the angle 0, v at pi / 2
-  bool base_faces;    ///< the base faces the light
-  bool is_circle;     ///< the light sees all generators or none
-  double side, half;  ///< otherwise generators side - half .. side + half face the light, half in 0 .. pi
+  Across frame;               ///< u at the angle 0, v at pi / 2
+  bool base_faces;            ///< the base faces the light
+  bool is_circle;             ///< the light sees all generators or none
+  double side = 0, half = 0;  ///< otherwise generators side - half .. side + half face the light, half in 0 .. pi
 
   ConeOutline(const Cone& cone, const glm::dvec4& light);
   glm::dvec3 peak() const { return base + height * axis; }

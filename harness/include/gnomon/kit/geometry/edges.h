@@ -1,9 +1,6 @@
 #pragma once
 #include <gnomon/scene.h>
 
-#include <span>
-#include <vector>
-
 namespace gnomon {
 
 /// A homogeneous point's shadow at infinity: (L_w X - L_xyz, 0), the direction in which light that passes X goes on.

@@ -2,13 +2,10 @@
 #include <gnomon/scene.h>
 
 #include <array>
-#include <span>
-#include <string>
-#include <vector>
 
 namespace gnomon {
 
-// The shadow of one simple shape on one plane in closed form: its outline, and whether a point is in it. It asks for no scene,
+// The shadow of one simple shape on one plane in closed form: its outline, and whether a point is in it. It requires no scene,
 // no picture and no OpenGL.
 //
 //   const PlanarShadow shadow(Sphere{.center = {0, 3, 0}, .radius = 1}, {4, 9, 0, 1}, {0, 1, 0, 0});
@@ -21,7 +18,7 @@ namespace gnomon {
 
 /// Whose formulas.
 enum class ShadowForm {
-  printed,  ///< equations 1 to 9 and the points of the text as they stand
+  printed,  ///< equations 1 to 9 and the points of the text as printed
   paper,    ///< what they evidently mean: the base of a triangle moves with its shadow
   exact,    ///< conic sections, and tangents to them
 };
@@ -42,7 +39,7 @@ struct FlatPart {
 ///   of a disc     f(rows[0])^2 + f(rows[1])^2 <= f(rows[2])^2 and f(rows[2]) > 0
 ///                 (ellipse, parabola and hyperbola alike: the second condition chooses the branch);
 ///   of a polygon  f(rows[i]) >= 0 for all four.
-/// This holds for every point outside the solid, on the plane or not, of an exact part; on the plane of an image.
+/// The test of an exact part is valid for every point outside the solid, on the plane or not; that of an image on the plane.
 /// The anchor is near the part and exact in float32, so that float32 suffices to evaluate it.
 struct ShadowTest {
   bool is_disc = false;
@@ -60,8 +57,8 @@ class PlanarShadow {
   PlanarShadow(const Shape& shape, const glm::dvec4& light, const glm::dvec4& plane, ShadowForm form = ShadowForm::exact);
 
   /// Why a form cannot tell this shadow; empty when it can. Exact: the light is inside the shape or on its surface. The others
-  /// know discs parallel to the plane, spheres, upright cones and upright isosceles triangles (`paper`: any triangle), wholly
-  /// on the light's side of the plane, and below the light.
+  /// have formulas for discs parallel to the plane, spheres, upright cones and upright isosceles triangles (`paper`: any
+  /// triangle), wholly on the light's side of the plane, and below the light.
   static std::string objection(const Shape& shape, const glm::dvec4& light, const glm::dvec4& plane, ShadowForm form);
 
   /// Whether a point of the plane, outside the shape, is in the shadow.

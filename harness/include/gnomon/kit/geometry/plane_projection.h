@@ -1,8 +1,6 @@
 #pragma once
 #include <gnomon/scene.h>
 
-#include <string>
-
 namespace gnomon {
 
 /// What flattens casters onto a plane along the light's rays (Blinn 1988), in homogeneous form, so that point and directional

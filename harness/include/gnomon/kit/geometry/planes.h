@@ -1,8 +1,6 @@
 #pragma once
 #include <gnomon/scene.h>
 
-#include <vector>
-
 namespace gnomon {
 
 inline constexpr std::uint32_t no_plane = 0xffffffffu;

@@ -3,11 +3,9 @@
 #include <gnomon/kit/bytes.h>
 #include <gnomon/kit/geometry/exact.h>
 
-#include <vector>
-
 namespace gnomon {
 
-/// A point that asks for its light, and the surface it lies on: the one place that says what of that surface cannot shade it.
+/// A point whose light is queried, and the surface it lies on: the one place that says what of that surface cannot shade it.
 ///
 /// The point's coordinates are rounded and then taken as exact, so in general it is not on the plane of its own triangle. Where
 /// rounding has put it behind that plane, as the light sees it, the triangle lies between the two, and so does every other
@@ -40,7 +38,7 @@ inline Receiver receiver_at(const Scene& scene, const GBuffer& gbuffer, std::siz
 struct NumberedReceiver : Receiver {
   std::uint32_t first_own = 0, own_count = 0;  ///< one triangle, or a whole mesh
   bool is_own(std::uint32_t number) const { return number - first_own < own_count; }
-  /// All of the rule. Exact signs are asked only where the numbers do not settle it.
+  /// All of the rule. Computes exact signs only where the numbers do not settle it.
   bool leaves_out(const Scene& scene, std::uint32_t number, const glm::vec3* corners) const {
     return is_own(number) || is_coplanar(scene, corners);
   }

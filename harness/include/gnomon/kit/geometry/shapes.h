@@ -1,10 +1,6 @@
 #pragma once
 #include <gnomon/scene.h>
 
-#include <span>
-#include <string>
-#include <vector>
-
 namespace gnomon {
 
 /// Segments around a curved shape where a scene does not say how many.

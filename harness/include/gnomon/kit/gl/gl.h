@@ -3,12 +3,6 @@
 #include <gnomon/kit/gl/gl_limits.h>
 
 #include <algorithm>
-#include <initializer_list>
-#include <span>
-#include <string>
-#include <string_view>
-#include <utility>
-#include <vector>
 
 namespace gnomon {
 
@@ -185,22 +179,23 @@ struct DepthStencil {
 /// What the next three need of the device.
 GlLimits inputs_need(const Scene& scene, int width, int height);
 
-/// The triangles of a scene: uploaded at the first request after they changed, looked up after. A technique asks for them in
-/// `build`, which so takes the time of the upload; what holds them counts among its memory. The last few scenes are held: ask
+/// The triangles of a scene: uploaded at the first request after they changed, looked up after. A technique requests them in
+/// `build`, whose time so includes the upload; what holds them counts among its memory. The last few scenes are held: request
 /// again in every stage and keep no reference from one to the next.
 const SceneBuffers& scene_buffers(const Scene& scene);
-/// The same without an upload; null where nobody asked since the scene changed.
+/// The same without an upload; null where no request came since the scene changed.
 const SceneBuffers* uploaded_scene(const Scene& scene);
 /// The scene's triangles changed, or are to be taken for changed: the next request uploads them, and depth is drawn again.
 void forget_scene(const Scene& scene);
 /// Bytes of triangles that this process has uploaded.
 std::uint64_t uploaded_scene_bytes();
 
-/// What belongs to the picture and not to the technique: the same upload for all that draw. The harness asks first, outside of
-/// the timed stages, so that a technique's call costs a look-up; held as the scenes are. Depth is drawn from scene_buffers.
+/// What belongs to the picture and not to the technique: the same upload for all that draw. The harness requests it first,
+/// outside of the timed stages, so that a technique's call costs a look-up; held as the scenes are. Depth is drawn from
+/// scene_buffers.
 const GBufferTextures& gbuffer_textures(const GBuffer& gbuffer, const Scene& scene);
 const DepthStencil& depth_stencil(const Scene& scene, const GBuffer& gbuffer, Truth sees = Truth::mesh);
-/// Whether somebody in this process has asked for the depth of what a technique sees, so far.
+/// Whether anything in this process has requested the depth of what a technique sees, so far.
 bool uses_depth_stencil(Truth sees);
 struct UploadCost {
   std::size_t bytes = 0;

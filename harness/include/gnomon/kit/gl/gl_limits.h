@@ -1,13 +1,10 @@
 #pragma once
 #include <gnomon/technique.h>
 
-#include <span>
-#include <string_view>
-
 namespace gnomon {
 
-/// What an OpenGL device can do at most, or what somebody needs of it: nothing where it is 0. OpenGL 4.5 promises less of some
-/// than the drivers at hand have.
+/// What an OpenGL device can do at most, or what a technique needs of it: nothing where it is 0. OpenGL 4.5 promises less of
+/// some than the drivers at hand have.
 struct GlLimits {
   std::int64_t varying_components = 0;       ///< floats from a vertex to the pixels; an output takes four, whatever its size
   std::int64_t vertex_storage_blocks = 0;    ///< buffers that a vertex shader reads; 0 is allowed
@@ -36,7 +33,7 @@ GlLimits most_of(const GlLimits& a, const GlLimits& b);
 /// tests). Null without a context.
 const GlLimits* gl_limits();
 /// Unsupported where the present context has not got all that is needed, with the first limit that is too small; full without a
-/// context: whoever will draw asks `supports` again where there is one.
+/// context: before drawing, `supports` is called again where there is one.
 Support within_limits(const GlLimits& needed);
 /// Of a buffer whose size is known only now. Throws Error where a shader cannot read so large a one.
 void require_storage_block(std::size_t bytes);

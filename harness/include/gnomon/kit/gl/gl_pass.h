@@ -6,8 +6,7 @@ namespace gnomon {
 // Passes over the pixels of a picture. What the fragments of a pass are given:
 //
 //   samplers   0 gbuffer_position, 1 gbuffer_normal, 2 gbuffer_ids, by `bind_gbuffer`; 3 light_map, by kit/maps/light_map.h;
-//   the
-//              technique's own from 4 on
+//              the technique's own from 4 on
 //   functions  of `gbuffer_snippet` and `faces_light_snippet`
 //   constants  that the technique declares (PassConstants), and those of `faces_light_constants`: light, spot
 //
@@ -34,9 +33,22 @@ void draw_full_screen();
 
 /// Attaches the mask's texture to the framebuffer, binds that, and makes every pixel 1 that `draw_receivers` will not touch.
 void begin_mask(const Framebuffer& framebuffer, unsigned texture, const GBufferTextures& gbuffer);
-/// The pixels that show receivers, and few others: the rest costs nothing. Pixels of a background that a rectangle holds are
-/// the fragment shader's affair. Leaves the scissor test off.
+/// Draws the pixels that show receivers, and few others: the rest costs nothing. The fragment shader handles the background
+/// pixels that a rectangle contains. Leaves the scissor test off.
 void draw_receivers(const GBufferTextures& gbuffer);
+
+/// begin_mask and draw_receivers, into a mask's texture or another one of the G-buffer's size, with a program whose constants
+/// and textures from unit 3 on are set. Binds the G-buffer, and lets go of the texture at the end.
+void draw_mask(const Program& program, const Framebuffer& framebuffer, unsigned texture, const GBufferTextures& gbuffer);
+/// The mask that draw(texture) draws, in memory: for questions after resolve.
+template <class Draw>
+std::vector<float> read_mask(const GBuffer& gbuffer, const Draw& draw) {
+  const StateGuard guard;
+  VisibilityMask mask(gbuffer.width, gbuffer.height);
+  draw(mask.texture());
+  const std::span<const float> pixels = mask.read();
+  return {pixels.begin(), pixels.end()};
+}
 
 /// Binds position, normal, ids to texture units 0, 1, 2.
 void bind_gbuffer(const GBufferTextures& textures);

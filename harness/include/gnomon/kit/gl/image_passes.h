@@ -1,11 +1,9 @@
 #pragma once
 #include <gnomon/kit/gl/gl.h>
 
-#include <vector>
-
 namespace gnomon {
 
-// Passes over images of floats, for maps that are filtered before they are asked (variance, moments, exponentials): blurred,
+// Passes over images of floats, for maps that are filtered before they are read (variance, moments, exponentials): blurred,
 // halved again and again, summed up. An image is a texture of one, two or four numbers a texel: float32 (R32F, RG32F, RGBA32F),
 // float16 (R16F, RG16F, RGBA16F), 16 bits for 0 .. 1 (R16, RG16, RGBA16), and for sums whole numbers of 32 bits (R32UI, RG32UI,
 // RGBA32UI); each channel and each layer is treated by itself. Values are to be finite: what is not spreads, and 0 times it is
@@ -31,7 +29,7 @@ struct StoredRounding {
 StoredRounding stored_rounding(GLenum format);
 
 /// Every texel becomes a weighted mean of the (2 radius + 1)^2 around it, first along rows, then along columns. Beyond the
-/// border stands the texel at the border. The weights are those of `blur_weights`. Source: Donnelly and Lauritzen 2006, who
+/// border the texel at the border counts. The weights are those of `blur_weights`. Source: Donnelly and Lauritzen 2006, who
 /// blur a variance map in this way. Error: below (2 radius + 3) * 2^-23 of the largest absolute value in the window (2 radius
 /// + 3 roundings of 2^-24 in each of two passes). Of 16 bits two stores round.
 class Blur {
@@ -65,7 +63,7 @@ int level_count(int width, int height);
 
 /// Levels 1, 2, ... of a texture from its level 0: each texel is the mean of two by two of the level above. Of an odd number
 /// of rows or columns the last texel takes the last three, so that each texel counts, if less than its share; of a single one
-/// the only one. Source: Donnelly and Lauritzen 2006, who ask means of areas from such levels. Error of level k: below
+/// the only one. Source: Donnelly and Lauritzen 2006, who read means of areas from such levels. Error of level k: below
 /// k * 2^-21 of the mean absolute value below the texel (at most eight roundings of 2^-24 a level). Absolute values up to
 /// 2^124. Of 16 bits each level is stored, and so rounded, once more.
 class MipChain {
@@ -90,7 +88,7 @@ class MipChain {
 ///
 /// Small areas of a large image are differences of large sums: of 1024 x 1024 values in 0 .. 1 a float32 sum is off by 2^-24 of
 /// up to 2^20, a sixteenth of one value. Sums of whole numbers are exact modulo 2^32, and so is each difference that is less
-/// than that, however large the sums: an image of uint holds values times 2^32 over the largest area that will be asked for
+/// than that, however large the sums: an image of uint holds values times 2^32 over the largest area that will be queried
 /// (Lauritzen 2007). They have no offset; 16 bits are too few.
 class SummedAreaTable {
  public:

@@ -2,9 +2,6 @@
 #include <gnomon/kit/maps/light_map.h>
 #include <gnomon/kit/shared.h>
 
-#include <array>
-#include <string>
-
 namespace gnomon {
 
 /// What techniques share that tell from one depth image, drawn from the center of a light with area, how much of all of it
@@ -55,36 +52,26 @@ class AreaMap : public Technique {
   std::vector<float> draw_debug(std::string_view layer) const override;
 
  protected:
-  /// GLSL of `float share_seen(Point p, out vec4 account)`: how much of the light arrives; the account is what `explain` wants
-  /// to know, its third component the spread that was searched or filtered with. `area_map_snippet` has what it may use.
+  /// GLSL of `float share_seen(Point p, out vec4 account)`: how much of the light arrives; the account is what `explain` needs,
+  /// its third component the spread that was searched or filtered with. `area_map_snippet` has what it may use.
   virtual std::string body() const = 0;
   /// What the map counts that bodies read.
   virtual void set_uniforms(const Program&) const {}
 
   Defaults defaults_;
-  Number<int> resolution{this,
-                         "resolution",
-                         defaults_.resolution,
-                         {.unit = "texel", .min = 64, .max = 4096, .log = true},
-                         Stage::relight,
-                         "Side of the square depth image of each cube face around the light's center."};
-  Number<int> most_radius{this,
-                          "most_radius",
-                          defaults_.most_radius,
-                          {.unit = "texel", .min = 1, .max = 256, .log = true},
-                          Stage::relight,
-                          "How far from a point's texel others are asked at most: wider penumbrae become narrower."};
-  Choice fit{this,
-             "fit",
-             "scene",
-             {"scene", "view"},
-             Stage::relight,
-             "Images hold all that casters and receivers share, or what the picture shows of it: then each resolve "
-             "fits and draws them anew, and pays for it."};
-  Number<double> depth_bias{
-      this,           "depth_bias",
-      0.25,           {.unit = "texel", .min = 0, .max = 64},
-      Stage::resolve, "Beside the bias of the receiver's plane: along the image's axis, in widths of a texel at the point."};
+  Number<int> resolution =
+      Number<int>(this, "resolution", defaults_.resolution, {.unit = "texel", .min = 64, .max = 4096, .log = true},
+                  Stage::relight, "Side of the square depth image of each cube face around the light's center.");
+  Number<int> most_radius =
+      Number<int>(this, "most_radius", defaults_.most_radius, {.unit = "texel", .min = 1, .max = 256, .log = true},
+                  Stage::relight, "How far from a point's texel others are asked at most: wider penumbrae become narrower.");
+  Choice fit = Choice(
+      this, "fit", "scene", {"scene", "view"}, Stage::relight,
+      "Images hold all that casters and receivers share, or what the picture shows of it: then each resolve fits and draws "
+      "them anew, and pays for it.");
+  Number<double> depth_bias =
+      Number<double>(this, "depth_bias", 0.25, {.unit = "texel", .min = 0, .max = 64}, Stage::resolve,
+                     "Beside the bias of the receiver's plane: along the image's axis, in widths of a texel at the point.");
 
   /// What all lights share: a member of it each technique passes to `another`.
   struct Made {
@@ -118,7 +105,6 @@ class AreaMap : public Technique {
   Program program(int which, std::string_view title, std::string_view first_line) const;
   void draw_images(LightCamera&& camera);
   void look_up(const Program& program, unsigned target) const;
-  void forget() const;
 
   Light light_, center_;
   LightCamera camera_;
@@ -127,7 +113,7 @@ class AreaMap : public Technique {
   const GBuffer* gbuffer_ = nullptr;
 };
 
-/// A block of so many texels a side has one nearest depth: what `nearest_in` of the shader asks.
+/// A block of so many texels a side has one nearest depth: `nearest_in` of the shader reads it.
 inline constexpr int area_map_block = 8;
 
 }  // namespace gnomon

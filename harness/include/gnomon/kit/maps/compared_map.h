@@ -3,9 +3,6 @@
 #include <gnomon/kit/maps/stored_depth.h>
 #include <gnomon/kit/shared.h>
 
-#include <array>
-#include <optional>
-
 namespace gnomon {
 
 /// What techniques share that compare a point with depth images of the light: they differ in which images those are.
@@ -35,9 +32,9 @@ class ComparedMap : public Technique {
 
   /// Images for any view, drawn by relight; nothing if they depend on the view.
   virtual std::optional<LightCamera> fitted_to_scene(const Light& light, const MeshBoxes& boxes, int margin) const = 0;
-  /// Images for this picture, drawn by resolve, which then pays for it; asked where there are none for any view.
+  /// Images for this picture, drawn by resolve, which then pays for it; called where there are none for any view.
   virtual LightCamera fitted_to_view(const Light& light, const MeshBoxes& boxes, const GBuffer& gbuffer, int margin) const = 0;
-  /// What texels hold. Its kind is asked by setup, its offset whenever images are drawn.
+  /// What texels hold. Setup reads its kind; every drawing of images reads its offset.
   virtual StoredDepth stored_depth() const { return {}; }
   virtual LightImages images() const { return LightImages::faces; }
 
@@ -54,7 +51,7 @@ class ComparedMap : public Technique {
     // What questions need, in memory: of one object at a time, for 64 lights' images fill a gigabyte.
     const ComparedMap* read_of = nullptr;
     std::vector<float> read_depths;        // of all layers, read at the first question after a relight
-    std::vector<glm::vec3> read_look_ups;  // by pixel, asked for at the first question after a resolve
+    std::vector<glm::vec3> read_look_ups;  // by pixel, drawn at the first question after a resolve
   };
   Shared<Made> made_;
 

@@ -3,12 +3,9 @@
 #include <gnomon/kit/maps/prefilter.h>
 #include <gnomon/kit/shared.h>
 
-#include <array>
-#include <string>
-
 namespace gnomon {
 
-/// What techniques share whose map is filtered before it is asked: every texel holds functions of the depth t stored there
+/// What techniques share whose map is filtered before it is read: every texel holds functions of the depth t stored there
 /// (moments, exponentials), a filter takes their means, and one look-up tells from these how much of the light arrives. Depth
 /// is the distance along the image's axis, from 0 at its near end to 1 at its far end and where nothing is stored.
 class FilteredMap : public Technique {
@@ -51,47 +48,28 @@ class FilteredMap : public Technique {
   Number<int> resolution{this,           "resolution",
                          1024,           {.unit = "texel", .min = 64, .max = 2048, .log = true},
                          Stage::relight, "Side of the square image (of each cube face for point lights)."};
-  Choice fit{this,
-             "fit",
-             "scene",
-             {"scene", "view"},
-             Stage::relight,
-             "Images hold all that casters and receivers share, or what the picture shows of it: then each resolve "
-             "fits, draws and blurs them anew, and pays for it."};
-  Choice prefilter{
-      this,
-      "prefilter",
-      "blur",
-      {"blur", "mips", "table"},
-      Stage::setup,
-      "Means are those of a blur; of levels, each half as large, by the longest way across a pixel's footprint; or "
-      "of the box around the footprint, by a summed-area table of whole numbers."};
-  Number<int> widest_footprint{
-      this,
-      "widest_footprint",
-      16,
-      {.unit = "texel", .min = 1, .max = 64, .log = true},
-      Stage::setup,
-      "Means follow a pixel's footprint up to this, and images have a margin for it; for prefilter=mips and table."};
+  Choice fit = Choice(
+      this, "fit", "scene", {"scene", "view"}, Stage::relight,
+      "Images hold all that casters and receivers share, or what the picture shows of it: then each resolve fits, draws and "
+      "blurs them anew, and pays for it.");
+  Choice prefilter = Choice(
+      this, "prefilter", "blur", {"blur", "mips", "table"}, Stage::setup,
+      "Means are those of a blur; of levels, each half as large, by the longest way across a pixel's footprint; or of the box "
+      "around the footprint, by a summed-area table of whole numbers.");
+  Number<int> widest_footprint = Number<int>(
+      this, "widest_footprint", 16, {.unit = "texel", .min = 1, .max = 64, .log = true}, Stage::setup,
+      "Means follow a pixel's footprint up to this, and images have a margin for it; for prefilter=mips and table.");
   Choice bits{this, "bits", "32", {"32", "16"}, Stage::setup, "Of each number that a texel holds."};
-  Number<int> blur_radius{this,
-                          "blur_radius",
-                          2,
-                          {.unit = "texel", .min = 0, .max = Blur::most_radius},
-                          Stage::setup,
-                          "Half the side of the blur beside its middle texel; 0: none. Other means spread no less."};
+  Number<int> blur_radius =
+      Number<int>(this, "blur_radius", 2, {.unit = "texel", .min = 0, .max = Blur::most_radius}, Stage::setup,
+                  "Half the side of the blur beside its middle texel; 0: none. Other means spread no less.");
   Choice blur_weights{
       this, "blur_weights", "box", {"box", "gaussian"}, Stage::setup, "What the blur weighs texels by; for prefilter=blur."};
-  Number<double> bias{
-      this,           "bias",
-      0.25,           {.unit = "texel", .min = 0, .max = 64},
-      Stage::resolve, "What a point is nearer to the light by when it is asked for, in widths of a texel at the point."};
-  Number<double> leak_reduction{this,
-                                "leak_reduction",
-                                0,
-                                {.unit = "", .min = 0, .max = 0.95},
-                                Stage::resolve,
-                                "Answers up to this are dark, and the rest is stretched to 0 .. 1."};
+  Number<double> bias =
+      Number<double>(this, "bias", 0.25, {.unit = "texel", .min = 0, .max = 64}, Stage::resolve,
+                     "What a point is nearer to the light by when it is asked for, in widths of a texel at the point.");
+  Number<double> leak_reduction = Number<double>(this, "leak_reduction", 0, {.unit = "", .min = 0, .max = 0.95}, Stage::resolve,
+                                                 "Answers up to this are dark, and the rest is stretched to 0 .. 1.");
 
   /// What all lights share: a member of it each technique passes to `another`.
   struct Made {
@@ -113,10 +91,8 @@ class FilteredMap : public Technique {
   void draw_images(LightCamera&& camera);
   void look_up(unsigned target) const;
   Prefilter used_prefilter() const {
-    return {.kind = Prefilter::Kind(prefilter.index()),
-            .weights = blur_weights.is("box") ? Blur::Weights::box : Blur::Weights::gaussian,
-            .radius = blur_radius,
-            .widest_footprint = widest_footprint};
+    const Blur::Weights weights = blur_weights.is("box") ? Blur::Weights::box : Blur::Weights::gaussian;
+    return {Prefilter::Kind(prefilter.index()), weights, blur_radius, widest_footprint};
   }
   GLenum format() const;
   bool is_blurred() const { return prefilter.is("blur") && blur_radius > 0; }

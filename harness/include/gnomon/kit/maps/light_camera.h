@@ -2,16 +2,12 @@
 #include <gnomon/kit/maps/light_space.h>
 #include <gnomon/technique.h>
 
-#include <algorithm>
-#include <span>
-#include <vector>
-
 namespace gnomon {
 
 // The camera of a light: one image for a directional light and for a narrow spot, six around a point light and a wide spot.
 // Each image is fitted to what casters and receivers share, or to what a view shows of it; kit/maps/light_map.h draws it.
 
-/// What light cameras know of a scene.
+/// What light cameras read of a scene.
 struct MeshBox {
   Bounds bounds;  ///< with room for rounding: a flat mesh has a box with an inside
   bool casts, receives;

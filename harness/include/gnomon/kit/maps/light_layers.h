@@ -4,7 +4,7 @@
 
 #include <functional>
 
-// The debug layers `map` and `texels` of techniques that stand on a light camera: its depth images as the light sees them, and
+// The debug layers `map` and `texels` of techniques with a light camera: its depth images as the light sees them, and
 // its texels on the surfaces that they decide.
 namespace gnomon {
 

@@ -40,7 +40,7 @@ class DepthImages {
   SolidParts solid_parts_;
 };
 
-/// How a camera looks, as shaders know it: PROJECTION of `light_map_head`.
+/// How a camera looks; for shaders PROJECTION of `light_map_head`.
 enum class LightProjection { parallel, centered, cube };
 inline constexpr int light_projection_count = 3;
 LightProjection projection_of(const LightCamera& camera);
@@ -61,7 +61,7 @@ LightProjection projection_of(const LightCamera& camera);
 ///   bool faces_light_at(vec4 position, vec4 normal, vec3 v)   what faces_light says, with no constant more
 ///
 /// In a warped image, across_image is for texels as large as at the pivot, and `light_stretch` is how much larger the
-/// box around one is at the point that in_image was asked for last; `light_facts.y` is then of that place.
+/// box around one is at the point of the last call of in_image; `light_facts.y` is then of that place.
 ///
 /// `spot` of faces_light_constants is among the constants where rays start at the light.
 std::string light_map_head(LightProjection projection, LightImages images = LightImages::faces);

@@ -1,10 +1,6 @@
 #pragma once
 #include <gnomon/kit/maps/light_map.h>
 
-#include <string>
-#include <string_view>
-#include <vector>
-
 namespace gnomon {
 
 // How a point is compared with the depths that a light camera stored: bias and filter, for techniques that differ in which
@@ -53,10 +49,10 @@ Explanation explain_comparison(const DepthTexels& texels, const MapComparison& c
 /// GLSL: compiled for one bias and one filter by the head, after that of the light map. `comparison_constants` are beside those
 /// of the light map. The snippet offers
 ///
-///   Asked ask(vec4 surface, vec4 facet)   of position_here and normal_here: chooses the image
-///   float compared(Asked asked)           the answer: 1 where the point is none to decide
+///   ComparedPoint ask(vec4 surface, vec4 facet)   of position_here and normal_here: chooses the image
+///   float compared(ComparedPoint point)           the answer: 1 where the point is none to decide
 ///
-/// and in `Asked` the `position`, in texels, where the point is looked up.
+/// and in `ComparedPoint` the `position`, in texels, where the point is looked up.
 std::string comparison_head(const MapComparison& comparison);
 std::string comparison_constants(LightProjection projection, LightImages images = LightImages::faces);
 extern const std::string_view comparison_snippet;

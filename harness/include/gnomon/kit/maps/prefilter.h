@@ -1,15 +1,11 @@
 #pragma once
 #include <gnomon/kit/geometry/camera.h>
-#include <gnomon/kit/gl/gl.h>
 #include <gnomon/kit/gl/image_passes.h>
 #include <gnomon/kit/maps/light_camera.h>
 
-#include <string>
-#include <vector>
-
 namespace gnomon {
 
-// Means over texels of a light's images, for maps that are filtered before they are asked: made when the images are drawn, and
+// Means over texels of a light's images, for maps that are filtered before they are read: made when the images are drawn, and
 // looked up at each pixel's place. A pixel's footprint is the parallelogram that it covers on the image, over the plane of its
 // point.
 
@@ -32,7 +28,7 @@ struct Prefilter {
   int last_level() const;
   /// Texels beside a place that a look-up may reach, and one for rounding. Level k reaches 3/2 of its texels, 3 * 2^(k-1).
   int margin() const;
-  /// How often a texel is stored, and rounded where it has 16 bits, before its mean is asked for.
+  /// How often a texel is stored, and rounded where it has 16 bits, before its mean is read.
   int stores() const;
   /// What a table holds in place of 1: sums over the widest box stay below 2^32 then, and differences of any are exact.
   double whole() const;

@@ -1,11 +1,9 @@
 #pragma once
 #include <gnomon/kit/maps/light_map.h>
 
-#include <array>
-
 namespace gnomon {
 
-/// Which depth a texel of a depth image stands for.
+/// Which depth a texel of a depth image stores.
 struct StoredDepth {
   enum class Kind {
     first,     ///< the first surface seen from the light

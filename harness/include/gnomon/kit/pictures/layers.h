@@ -1,9 +1,5 @@
 #pragma once
-#include <gnomon/gbuffer.h>
 #include <gnomon/technique.h>
-
-#include <span>
-#include <vector>
 
 namespace gnomon {
 
@@ -28,6 +24,11 @@ std::vector<float> heat_layer(const GBuffer& gbuffer, std::span<const float> val
 
 /// The classes of `heat_layer`, smallest first; without the negative values.
 std::vector<Swatch> heat_legend();
+
+/// A debug layer of `heat_layer`, whose sentence ends with how to read it.
+inline DebugLayer heat_debug_layer(std::string name, const std::string& what) {
+  return {std::move(name), what + ": none where the picture is left gray, else colors as in the legend.", heat_legend()};
+}
 
 /// Faces of shadow volumes between the eye and the surface of one pixel.
 struct VolumeFaces {

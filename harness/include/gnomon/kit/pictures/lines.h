@@ -1,11 +1,7 @@
 #pragma once
-#include <gnomon/gbuffer.h>
 #include <gnomon/kit/geometry/camera.h>
 #include <gnomon/kit/geometry/edges.h>
 #include <gnomon/technique.h>
-
-#include <span>
-#include <vector>
 
 namespace gnomon {
 

@@ -2,11 +2,6 @@
 #include <gnomon/kit/geometry/camera.h>
 #include <gnomon/kit/geometry/clip.h>
 
-#include <cstddef>
-#include <span>
-#include <utility>
-#include <vector>
-
 namespace gnomon {
 
 // Polygons as pixels, without a depth buffer.

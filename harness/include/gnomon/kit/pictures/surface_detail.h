@@ -1,8 +1,5 @@
 #pragma once
-#include <gnomon/gbuffer.h>
 #include <gnomon/technique.h>
-
-#include <vector>
 
 namespace gnomon {
 

@@ -12,7 +12,7 @@ class EdgeAdjacency;
 /// Rays that are traced at a time.
 inline constexpr int ray_lanes = 16;
 
-/// So many shadow rays, struct of arrays, in the layout and alignment that Embree wants.
+/// So many shadow rays, struct of arrays, in the layout and alignment that Embree requires.
 struct alignas(64) ShadowPacket {
   std::array<float, ray_lanes> ox, oy, oz, tnear, dx, dy, dz, time, tfar;
   std::array<std::uint32_t, ray_lanes> mask, id, flags;
@@ -45,7 +45,7 @@ struct Receivers {
 /// A scene in Embree, traced by the measured ray recipe (docs/method.md): robust mode; the receiver's own triangle is excluded
 /// by a filter; the origin is lifted by 8 * 2^-24 * max|P| along the normal. Exact curved shapes are traced exactly, in
 /// double; flat shapes are their triangles. A scene whose largest coordinate is below 2^-10 m or above 2^30 m is traced scaled
-/// by a power of two; all that is asked and answered is in meters.
+/// by a power of two; all arguments and results are in meters.
 class RayScene {
  public:
   enum class Which { all, casters };

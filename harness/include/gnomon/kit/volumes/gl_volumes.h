@@ -2,9 +2,6 @@
 #include <gnomon/kit/gl/gl.h>
 #include <gnomon/kit/pictures/layers.h>
 
-#include <span>
-#include <string_view>
-
 namespace gnomon {
 
 // Shadow volumes counted by the rasterizer. A technique draws the faces of its volumes, each wound counter-clockwise seen from

@@ -2,11 +2,6 @@
 #include <gnomon/kit/geometry/edges.h>
 #include <gnomon/kit/volumes/gl_volumes.h>
 
-#include <algorithm>
-#include <array>
-#include <optional>
-#include <span>
-
 namespace gnomon {
 
 // The faces of the shadow volumes of triangles: what is drawn of a scene under one light, on the device, and its drawing in the
@@ -32,9 +27,8 @@ struct FaceCommands {
   DrawElements reversed_caps;  ///< clockwise
 
   std::size_t triangle_count() const {
-    return (std::size_t{sides.count} + fan.count + triangle_sides.count + far_triangles.count + caps.count +
-            reversed_caps.count) /
-           3;
+    const std::size_t of_caps = std::size_t{caps.count} + reversed_caps.count;
+    return (of_caps + sides.count + fan.count + triangle_sides.count + far_triangles.count) / 3;
   }
 };
 
@@ -56,7 +50,7 @@ class RewrittenBuffer {
   void reserve(std::size_t bytes);
   void clear() { bytes_ = 0; }
   GLuint name() const { return buffer_.name(); }
-  std::size_t bytes() const { return bytes_; }        ///< what was asked for since the last `clear`
+  std::size_t bytes() const { return bytes_; }        ///< what was reserved since the last `clear`
   std::size_t room() const { return buffer_.bytes; }  ///< at least as much; how much more depends on earlier lights
 
  private:

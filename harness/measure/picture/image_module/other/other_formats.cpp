@@ -1,8 +1,7 @@
-// Pictures in any format but PNG and EXR: the only file that knows OpenImageIO.
+// Pictures in any format but PNG and EXR: the only file that uses OpenImageIO.
 #include <OpenImageIO/imageio.h>
-#include <gnomon/error.h>
 
-#include "measure/picture/image_module/image_reader.h"
+#include "measure/picture/image_module/image_formats.h"
 
 namespace gnomon::image_module {
 namespace {
