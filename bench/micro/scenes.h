@@ -1,11 +1,11 @@
 #pragma once
 #include <benchmark/benchmark.h>
 #include <gnomon/kit/geometry/shapes.h>
+#include <gnomon/kit/rays/gbuffer_maker.h>
 #include <gnomon/registry.h>
 
 #include <map>
 
-#include <gnomon/kit/rays/gbuffer_maker.h>
 #include "measure/scene/load.h"
 
 // Scenes, pictures and techniques that several benchmarks measure.

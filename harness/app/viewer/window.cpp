@@ -289,7 +289,7 @@ StopSignals::StopSignals(std::function<void()> asked) {
   thread_ = std::thread([this, asked = std::move(asked)] {
     char ignored = 0;
     while (const ssize_t count = ::read(ends[0], &ignored, 1)) {  // 0: the other end is closed
-      if (count < 0) continue;                                  // interrupted
+      if (count < 0) continue;                                    // interrupted
       is_asked_ = true;
       asked();
     }
