@@ -74,8 +74,8 @@ class Finder {
                -epsilon_;
       });
     };
-    const auto& [a, b, c] = triangle.points;
-    const auto is_coplanar = [&](const glm::vec3& corner) { return coplanar(a, b, c, corner); };
+    const glm::vec3* const p = triangle.points;
+    const auto is_coplanar = [&](const glm::vec3& corner) { return coplanar(p[0], p[1], p[2], corner); };
     const Casters& casters = *lighting_.casters;
     casters.boxes.each(meets, [&](std::uint32_t place) {
       const std::uint32_t number = casters.boxes.order()[place];
