@@ -60,8 +60,8 @@ class CompositePlanar final : public Technique {
     for (const Mesh& mesh : scene.meshes)
       if (mesh.casts && !mesh.shape) return Support::unsupported(fmt::format("{} has no exact shape", mesh.name));
     const ReceiverSet receivers = find_receivers(scene, min_share);
-    if (receivers.planes.empty())
-      return Support::unsupported(fmt::format("no plane holds {} of the receiving area", min_share.value()));
+    const Support support = support_on_planes(!receivers.planes.empty(), receivers.covered_share, min_share);
+    if (!support) return support;
     const glm::dvec4 l = homogeneous(light);
     const std::vector<ShapeCaster> casters = casters_of(scene);
     for (const Receiver& receiver : receivers.planes) {
@@ -75,11 +75,7 @@ class CompositePlanar final : public Technique {
         if (!why.empty()) return Support::unsupported(fmt::format("{}: {}", scene.meshes[caster.mesh].name, why));
       }
     }
-    if (receivers.covered_share < 1 - 1e-9)
-      return Support::approximate(
-          fmt::format("{:.3g} % of the receiving area lies on no receiver plane; pixels there are not covered",
-                      100 * (1 - receivers.covered_share)));
-    return Support::full();
+    return support;
   }
 
   void setup() override {

@@ -66,14 +66,7 @@ class PlanarProjected final : public Technique {
   Support supports(const Scene& scene, const Light& light, const View&) const override {
     if (has_area(light)) return Support::unsupported("casters are projected from one point: lights with area have none");
     if (const Support enough = within_limits(PlaneLookup::needs(scene)); !enough) return enough;
-    const ReceiverPlanes planes = find_receiver_planes(scene, min_share);
-    if (planes.planes.empty())
-      return Support::unsupported(fmt::format("no plane holds {} of the receiving area", min_share.value()));
-    if (planes.planar_area < planes.receiving_area * (1 - 1e-9))
-      return Support::approximate(
-          fmt::format("{:.3g} % of the receiving area lies on no receiver plane; pixels there are not covered",
-                      100 * (1 - planes.planar_area / planes.receiving_area)));
-    return Support::full();
+    return support_on_planes(find_receiver_planes(scene, min_share), min_share);
   }
 
   void setup() override {

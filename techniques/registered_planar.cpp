@@ -56,8 +56,8 @@ class RegisteredPlanar final : public Technique {
     needed.fragment_storage_blocks = needed.storage_bindings = 4;
     needed.texture_size = resolution;
     const ReceiverPlanes planes = find_receiver_planes(scene, min_share);
-    if (planes.planes.empty())
-      return Support::unsupported(fmt::format("no plane holds {} of the receiving area", min_share.value()));
+    const Support support = support_on_planes(planes, min_share);
+    if (!support) return support;
     needed.texture_layers = static_cast<std::int64_t>(2 * planes.planes.size());
     if (const Support enough = within_limits(needed); !enough) return enough;
     const double texel_bytes = has_far_side(light) ? 8 : 4;
@@ -66,11 +66,7 @@ class RegisteredPlanar final : public Technique {
       return Support::unsupported(
           fmt::format("textures of both sides of {} planes take up to {:.0f} MiB at {} texels; at most {:.0f}",
                       planes.planes.size(), bytes / 0x1p20, resolution.value(), most_bytes / 0x1p20));
-    if (planes.planar_area < planes.receiving_area * (1 - 1e-9))
-      return Support::approximate(
-          fmt::format("{:.3g} % of the receiving area lies on no receiver plane; pixels there are not covered",
-                      100 * (1 - planes.planar_area / planes.receiving_area)));
-    return Support::full();
+    return support;
   }
   void setup() override {
     painter_->setup();

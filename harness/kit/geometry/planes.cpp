@@ -1,3 +1,4 @@
+#include <fmt/format.h>
 #include <gnomon/kit/geometry/planes.h>
 
 #include <algorithm>
@@ -264,5 +265,12 @@ double height_rounding(const Scene& scene) {
 }
 
 ReceiverPlanes find_receiver_planes(const Scene& scene, double min_share) { return PlaneFinder(scene, min_share).find(); }
+
+Support support_on_planes(bool has_planes, double covered_share, double min_share) {
+  if (!has_planes) return Support::unsupported(fmt::format("no plane holds {} of the receiving area", min_share));
+  if (covered_share >= 1 - 1e-9) return Support::full();
+  return Support::approximate(fmt::format(
+      "{:.3g} % of the receiving area lies on no receiver plane; pixels there are not covered", 100 * (1 - covered_share)));
+}
 
 }  // namespace gnomon

@@ -1,5 +1,5 @@
 #pragma once
-#include <gnomon/scene.h>
+#include <gnomon/technique.h>
 
 namespace gnomon {
 
@@ -25,5 +25,12 @@ double height_rounding(const Scene& scene);
 
 /// The planes that hold at least `min_share` (0 .. 1) of the receiving area.
 ReceiverPlanes find_receiver_planes(const Scene& scene, double min_share);
+
+/// What a technique supports that answers on receiver planes alone: nothing without a plane, all where the planes hold all of
+/// the receiving area, else an approximation. `covered_share` is the planes' share of that area, 0 .. 1.
+Support support_on_planes(bool has_planes, double covered_share, double min_share);
+inline Support support_on_planes(const ReceiverPlanes& found, double min_share) {
+  return support_on_planes(!found.planes.empty(), found.planar_area / found.receiving_area, min_share);
+}
 
 }  // namespace gnomon
