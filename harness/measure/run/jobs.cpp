@@ -72,13 +72,14 @@ void check_path(const Scene& scene, const std::string& reference, const std::str
     }
 }
 
-/// Why a technique supports nothing of a group; nothing where it supports something, or where a scene is not there.
+/// Why a technique supports nothing of a group; nothing where it supports something. A scene that is not fetched says nothing:
+/// rows on the other scenes are those of a machine that has it.
 std::optional<std::string> objection(const SuiteGroup& group, const std::string& technique, SceneLibrary& library,
                                      SupportQuestions& questions) {
   std::optional<std::string> why;
   for (const std::string& reference : group.scenes) {
     const SceneLibrary::Entry& entry = library.get(reference);
-    if (!entry.scene) return std::nullopt;
+    if (!entry.scene) continue;
     const std::vector<RowLights> rows = row_lights(group.lights, reference, *entry.scene);
     const std::vector<Support>& supports = questions.ask(reference, *entry.scene, technique);
     for (std::size_t k = 0; k < supports.size(); ++k) {

@@ -130,6 +130,25 @@ TEST(jobs, a_row_that_two_groups_have_runs_once_with_the_first_label_that_either
   EXPECT_EQ(jobs[1].contender.label, "");
 }
 
+TEST(jobs, a_scene_that_is_not_fetched_changes_no_row_on_the_others) {
+  const File scene("[[mesh]]\nfile = \"cache:no_such_scene/x.obj\"\n");
+  const auto expanded = [&](std::vector<std::string> scenes) {
+    Suite suite;
+    suite.groups = {{std::move(scenes), {"sun"}, {}, parse_contenders("*")}};
+    SceneLibrary library;
+    library.read_from("absent", scene.path);
+    SuiteJobs jobs = expand_jobs(suite, library, {.program = tested_program()});
+    std::erase_if(jobs.jobs, [](const Job& job) { return job.scene == "absent"; });
+    return jobs;
+  };
+  const SuiteJobs alone = expanded({"contact"}), beside = expanded({"absent", "contact"});
+  EXPECT_FALSE(alone.left_out.empty()) << "techniques for lights with area";
+  EXPECT_EQ(beside.left_out, alone.left_out);
+  ASSERT_EQ(beside.jobs.size(), alone.jobs.size());
+  for (std::size_t k = 0; k < alone.jobs.size(); ++k) EXPECT_EQ(beside.jobs[k].hash, alone.jobs[k].hash);
+  EXPECT_TRUE(expanded({"absent"}).left_out.empty());
+}
+
 TEST(contenders, a_label_belongs_to_one_contender_not_to_a_sweep) {
   EXPECT_EQ(parse_contenders("shadow_map:resolution=256", "coarse")[0].label, "coarse");
   EXPECT_THROW(parse_contenders("shadow_map:resolution={256,512}", "coarse"), Error);
