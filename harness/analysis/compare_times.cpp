@@ -89,7 +89,7 @@ void judge_times(Comparison& result) {
     const std::string setting = base.scene + '|' + base.technique + '|' + base.settings;
     return stage == Stage::build && !builds.emplace(setting, base.times(stage), contender.times(stage)).second;
   };
-  std::map<std::string, int> scenes, techniques;
+  std::map<std::string, int> scenes, places, techniques;
   for (RowChange& row : result.rows) {
     if (!row.base || !row.contender || row.base->status != Status::ok || row.contender->status != Status::ok) continue;
     row.stages = list_stages(row);
@@ -114,6 +114,8 @@ void judge_times(Comparison& result) {
       if (!change.why.empty()) continue;
       difference->kind = static_cast<int>(change.stage);
       difference->batch = scenes.try_emplace(row.base->scene, static_cast<int>(scenes.size())).first->second;
+      const std::string place = row.base->scene + '|' + row.base->light;
+      difference->place = places.try_emplace(place, static_cast<int>(places.size())).first->second;
       difference->owner = techniques.try_emplace(row.base->technique, static_cast<int>(techniques.size())).first->second;
       difference->slack = slack(*row.base, *row.contender);
       differences.push_back(*difference);

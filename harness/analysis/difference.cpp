@@ -25,10 +25,10 @@ std::vector<std::optional<double>> log_medians(const ProcessTimes& times, double
   return logs;
 }
 
-/// Median of the differences by kind, or by kind and batch.
-std::map<std::pair<int, int>, double> centers(std::span<const LogDifference> differences, bool by_batch) {
+/// Median of the differences by kind, or by kind and what a member names: the batch or the place.
+std::map<std::pair<int, int>, double> centers(std::span<const LogDifference> differences, int LogDifference::*by = nullptr) {
   std::map<std::pair<int, int>, std::vector<double>> groups;
-  for (const LogDifference& d : differences) groups[{d.kind, by_batch ? d.batch : 0}].push_back(d.value);
+  for (const LogDifference& d : differences) groups[{d.kind, by ? d.*by : 0}].push_back(d.value);
   std::map<std::pair<int, int>, double> result;
   for (const auto& [group, values] : groups) result[group] = median(values);
   return result;
@@ -36,16 +36,16 @@ std::map<std::pair<int, int>, double> centers(std::span<const LogDifference> dif
 
 /// Distance of every difference from the median of its kind.
 std::vector<double> distances(std::span<const LogDifference> differences) {
-  const auto middle = centers(differences, false);
+  const auto middle = centers(differences);
   std::vector<double> result;
   for (const LogDifference& d : differences) result.push_back(std::abs(d.value - middle.at({d.kind, 0})));
   return result;
 }
 
-/// Variance of the batches' medians about those of their kinds; 0 where each kind has one batch only. A neighbor of the machine
-/// that comes while one scene is timed moves all rows of it, which the steady share may not see.
-double batch_variance(std::span<const LogDifference> differences) {
-  const auto middle = centers(differences, false), batches = centers(differences, true);
+/// Variance of the medians of batches or places about those of their kinds; 0 where each kind has one only. A neighbor of the
+/// machine that comes while one is timed moves all rows of it, which the steady share may not see.
+double variance_between(std::span<const LogDifference> differences, int LogDifference::*by) {
+  const auto middle = centers(differences), batches = centers(differences, by);
   double sum = 0;
   for (const auto& [group, value] : batches) sum += std::pow(value - middle.at({group.first, 0}), 2);
   const auto freedom = static_cast<double>(batches.size() - middle.size());
@@ -72,12 +72,15 @@ double excess_variance(std::span<const double> distances, std::span<const double
 }
 
 /// What runs at different times differ by for each owner and kind: read off its own differences about their median as `drift`
-/// is off all, which counts as `usual_weight` of them, and not less than that.
+/// is off all, which counts as `usual_weight` of them, and not less than that, nor than what its places differ by. One
+/// that was timed in one place alone may drift as the worst of the others.
 std::map<std::pair<int, int>, double> drifts_by_owner(std::span<const LogDifference> differences,
                                                       std::span<const double> variances, double freedom, double drift) {
   std::map<std::pair<int, int>, std::vector<std::size_t>> members;
   for (std::size_t k = 0; k < differences.size(); ++k) members[{differences[k].owner, differences[k].kind}].push_back(k);
   std::map<std::pair<int, int>, double> drifts;
+  double worst = 0;
+  std::vector<std::pair<int, int>> in_one_place;
   for (const auto& [owner, rows] : members) {
     std::vector<double> distances, own_variances;
     for (const std::size_t k : rows) distances.push_back(differences[k].value);
@@ -85,9 +88,18 @@ std::map<std::pair<int, int>, double> drifts_by_owner(std::span<const LogDiffere
     for (double& distance : distances) distance = std::abs(distance - middle);
     for (const std::size_t k : rows) own_variances.push_back(variances[k]);
     const double seen = static_cast<double>(rows.size()) - 1;
-    const double own = excess_variance(distances, own_variances, freedom);
+    std::vector<LogDifference> own_rows;
+    for (const std::size_t k : rows) own_rows.push_back(differences[k]);
+    const double own =
+        std::max(excess_variance(distances, own_variances, freedom), variance_between(own_rows, &LogDifference::place));
     drifts[owner] = std::max(drift, (usual_weight * drift + seen * own) / (usual_weight + seen));
+    const auto is_elsewhere = [&](const LogDifference& d) { return d.place != own_rows[0].place; };
+    if (std::ranges::any_of(own_rows, is_elsewhere))
+      worst = std::max(worst, drifts[owner]);
+    else
+      in_one_place.push_back(owner);
   }
+  for (const std::pair<int, int>& owner : in_one_place) drifts[owner] = std::max(drifts[owner], worst);
   return drifts;
 }
 
@@ -154,8 +166,8 @@ Judgements judge(std::span<const LogDifference> differences, double floor, bool 
   }
 
   // What a run adds on its own. A median of a kind is fitted to its differences: that many do not count.
-  const double excess =
-      std::max(excess_variance(distances(differences), variances, median(freedoms)), batch_variance(differences));
+  const double excess = std::max(excess_variance(distances(differences), variances, median(freedoms)),
+                                 variance_between(differences, &LogDifference::batch));
   std::map<int, int> kinds;
   for (const LogDifference& d : differences) ++kinds[d.kind];
   const double seen = static_cast<double>(differences.size() - kinds.size());

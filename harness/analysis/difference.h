@@ -17,6 +17,7 @@ struct LogDifference {
   double freedom = 0;   ///< degrees of freedom of the variance
   int kind = 0;         ///< the stage: differences of one kind share what a run adds to all of them
   int batch = 0;        ///< the scene: its rows were timed at the same time and drift together
+  int place = 0;        ///< scene and light: a neighbor of the machine that comes for seconds meets the rows of one
   int owner = 0;        ///< the technique: some drift more from run to run than others
   /// What the machine is known to add on its own: a value is no difference up to this far above zero, or below it when
   /// negative.

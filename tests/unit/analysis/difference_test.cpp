@@ -124,6 +124,45 @@ TEST(judge, two_runs_of_one_program_are_called_the_same) {
   EXPECT_LE(share(noisy.called, noisy.all), 0.005);
 }
 
+/// Two techniques, one in ten places of three rows, the other in one place of two; the spread of two times five processes.
+/// `burst` is what a neighbor of the machine adds in the fourth place and in that of the second, `effect` what the first one
+/// really grew by.
+std::vector<LogDifference> in_places(std::mt19937& random, double burst, double effect) {
+  std::normal_distribution<double> normal;
+  constexpr double deviation = 0.05;
+  std::vector<LogDifference> differences;
+  for (int place = 0; place < 11; ++place)
+    for (int row = 0; row < (place < 10 ? 3 : 2); ++row) {
+      const bool is_first = place < 10, is_met = place == 3 || place == 10;
+      const double value = deviation * normal(random) + (is_met ? burst : 0) + (is_first ? effect : 0);
+      differences.push_back({.value = value,
+                             .variance = deviation * deviation,
+                             .freedom = 8,
+                             .kind = 0,
+                             .batch = place % 5,
+                             .place = place,
+                             .owner = is_first ? 0 : 1});
+    }
+  return differences;
+}
+
+TEST(judge, a_burst_in_one_place_is_no_difference_and_a_change_in_all_is_one) {
+  std::mt19937 random(7);
+  int called = 0, found = 0, all = 0;
+  for (int k = 0; k < 50; ++k) {
+    const std::vector<LogDifference> met = in_places(random, 0.7, 0), changed = in_places(random, 0, std::log(3));
+    const Judgements burst = judge(met, std::log(1.05), false), effect = judge(changed, std::log(1.05), false);
+    for (std::size_t i = 0; i < met.size(); ++i) {
+      called += burst.each[i].false_discovery <= 0.05;
+      if (changed[i].owner != 0) continue;
+      found += effect.each[i].false_discovery <= 0.05;
+      ++all;
+    }
+  }
+  EXPECT_EQ(called, 0);
+  EXPECT_GE(share(found, all), 0.95);
+}
+
 TEST(judge, drift_between_runs_is_no_difference) {
   // Every scene of every run is 20 % faster or slower than the next. Welch's test alone calls a good part of the rows.
   const Calls drifting = compare_many({.drift = 0.2}, 100);
