@@ -3,9 +3,11 @@
 //
 // Here on the processor: a triangle walks the cells that its shadow may touch, and the points in them are tested against the
 // planes through the light and its edges and against its own plane, in double with a proven bound, by exact signs where double
-// cannot decide.
+// cannot decide. A triangle with an alpha mask darkens those of them that see it through a solid texel; the others wait for the
+// next triangle.
 #include <gnomon/kit/add_up.h>
 #include <gnomon/kit/bases/point_technique.h>
+#include <gnomon/kit/geometry/holes.h>
 #include <gnomon/kit/scratch_pool.h>
 #include <gnomon/registry.h>
 
@@ -21,11 +23,14 @@ constexpr About about{
     .source =
         "Aila and Laine 2004; Johnson, Lee, Burns and Mark 2005; lists of points per cell and tests against the frustum of a "
         "triangle, without any depth: Wyman, Hoetzlein and Lefohn 2015",
-    .error = "None on the float32 points it is given: edges and vertices block. Tessellation on curved shapes.",
+    .error =
+        "None on the float32 points it is given: edges and vertices block, and the texel of an alpha mask is exact. "
+        "Tessellation on curved shapes.",
     .fails =
         "Nothing it supports. Its cost depends on the view, and resolve pays nearly all of it: it is highest exactly where a "
         "shadow map would alias worst, where many points share a cell, which then meet each triangle that covers it.",
-    .promise = Promise::exact};
+    .promise = Promise::exact,
+    .handles = with_alpha_masks};
 
 constexpr std::size_t caster_block = 16384;
 
@@ -62,6 +67,7 @@ class AliasFreeMap final : public PointTechnique {
     remember(scene);
     built_->all_bounds = scene.bounds();
     built_->bounds = {};
+    built_->has_holes = scene.has_alpha_masks();
     built_->casters.clear();
     std::size_t count = 0;
     for (const Mesh& mesh : scene.meshes) count += mesh.casts ? mesh.triangles.size() : 0;
@@ -231,7 +237,7 @@ class AliasFreeMap final : public PointTechnique {
     }
     return count;
   }
-  /// By exact signs, if `clearly` does not settle it.
+  /// By exact signs, if `clearly` does not settle whether the way crosses the caster.
   bool shades(const Caster& caster, std::uint32_t pixel, bool clearly, Work& work) const {
     const NumberedReceiver own = receiver(*gbuffer_, pixel);
     if (own.is_own(caster.triangle)) return false;
@@ -239,7 +245,13 @@ class AliasFreeMap final : public PointTechnique {
       ++work.exact;
       if (crosses({own.point, homogeneous_}, caster) == Crossing::none) return false;
     }
-    return !own.is_coplanar(*remembered_->scene, caster.points);
+    if (own.is_coplanar(*remembered_->scene, caster.points)) return false;
+    return !built_->has_holes || is_solid(caster, {own.point, homogeneous_});
+  }
+  bool is_solid(const Caster& caster, const Segment& segment) const {
+    const TriangleNumbers& numbers = remembered_->numbers;
+    const std::uint32_t mesh = numbers.mesh_of(caster.triangle);
+    return is_solid_at(remembered_->scene->meshes[mesh], caster.triangle - numbers.first_of(mesh), segment);
   }
   /// Adds up the tests of the samples of a tile.
   void note_tests(const Tile& tile, Scratch& scratch) {
@@ -256,6 +268,7 @@ class AliasFreeMap final : public PointTechnique {
   struct Built {
     std::vector<Caster> casters;
     Bounds bounds, all_bounds;  // of the casters, of all meshes
+    bool has_holes = false;     // whether a mesh has an alpha mask
   };
   Shared<Built> built_;
   LightSpace space_;

@@ -22,7 +22,8 @@ constexpr About about{
         "area.",
     .fails = "A penumbra of few samples: n of them tell n + 1 shares apart.",
     .promise = Promise::sampled,
-    .sees = Truth::shape};
+    .sees = Truth::shape,
+    .handles = with_alpha_masks};
 
 class AreaRays final : public Technique {
  public:

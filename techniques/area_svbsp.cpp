@@ -5,6 +5,7 @@
 // hides all. Both are convex, and bounded by planes through an edge of the one and a corner of the other, light or polygon. The
 // fragments of a receiver are the cells of a tree of such planes, grown on the receiver alone: no order of polygons is needed,
 // and what no receiver crosses is never cut.
+#include <gnomon/kit/bases/mask_setting.h>
 #include <gnomon/kit/counts.h>
 #include <gnomon/kit/parallel.h>
 #include <gnomon/kit/pictures/layers.h>
@@ -31,11 +32,13 @@ constexpr About about{
     .source = "Chin and Feiner 1992; the light divided where it pays as in Wong and Tsang 1998",
     .error =
         "None but rounding of double with shade=pixels, as for exact_area. With shade=vertices what is linear between the "
-        "corners of a fragment, which falls with its size. It estimates the share of the light's area, and sees triangles.",
+        "corners of a fragment, which falls with its size. It estimates the share of the light's area, and sees triangles. "
+        "Edges of holes are rounded to float32 where masks are cut.",
     .fails =
         "Fine meshes: the umbra of a triangle smaller than the light is nothing, so all of their shadow is penumbra. Lights as "
         "large as the scene: everything is in the penumbra of everything.",
     .promise = Promise::exact,
+    .handles = with_alpha_masks,
     .causes = causes};
 
 /// Triangles that cast: beyond, trees take minutes.
@@ -62,10 +65,14 @@ class AreaSvbsp final : public Technique {
   Number<int> work =
       Number<int>(this, "work", 64, {.unit = "million tests", .min = 1, .max = 4096, .log = true}, Stage::relight,
                   "Tests of fragments against volumes; when a polygon has spent its share the rest of it is left whole.");
+  MaskSetting masks{this};
 
  public:
-  Support supports(const Scene& scene, const Light& light, const View&) const override {
+  Support supports(const Scene& original, const Light& light, const View&) const override {
     if (!has_area(light)) return Support::unsupported("the light has no area: see svbsp");
+    if (const Support limit = masks.limit(original, Support::full()); !limit) return limit;
+    const CutMasks cut = masks.cut(original);
+    const Scene& scene = cut.scene();
     std::size_t casting = 0;
     for (const Mesh& mesh : scene.meshes) casting += mesh.casts ? mesh.triangles.size() : 0;
     if (casting > most_triangles)
@@ -73,11 +80,12 @@ class AreaSvbsp final : public Technique {
     if (const double before = casters_before(scene, light); before > most_before)
       return Support::unsupported(fmt::format(
           "{:.0f} triangles stand before the light from a point on average; up to {:.0f} are clipped", before, most_before));
-    if (shade.is("vertices")) return Support::approximate("penumbrae are linear between the corners of fragments");
-    return Support::full();
+    if (shade.is("vertices"))
+      return masks.limit(original, Support::approximate("penumbrae are linear between the corners of fragments"));
+    return masks.limit(original, Support::full());
   }
   void setup() override {}
-  void build(const Scene& scene) override { *built_ = Casters(scene); }
+  void build(const Scene& scene) override { *built_ = Casters(masks.cut(scene)); }
   void relight(const Light& light) override {
     light_ = light;
     body_ = body_of(light);

@@ -26,7 +26,8 @@ constexpr About about{
         "A wide penumbra of few points shows as many edges as there are points. Memory and relight grow with their number. "
         "Casters within a sphere of light hide points of its surface; other techniques ask the disc that is seen of it.",
     .needs_gl = true,
-    .floor = Floor::copy};  // many hard techniques draw
+    .floor = Floor::copy,          // many hard techniques draw
+    .handles = with_alpha_masks};  // those that the hard technique handles: `supports` asks it
 
 constexpr double MiB = 1 << 20;
 
@@ -74,7 +75,7 @@ class AveragedHard final : public Technique {
     Answer refused, approximate;
     for (std::size_t k = 0; k < asked; ++k) {
       const Light point{.name = light.name, .kind = PointLight{points[k * points.size() / asked]}};
-      const Support support = of.technique().supports(scene, point, view);
+      const Support support = support_of(of.entry().about, of.technique(), scene, point, view);
       if (support.kind() == Support::Kind::full) continue;
       auto& answer = support ? approximate : refused;
       ++answer.count;

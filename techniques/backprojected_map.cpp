@@ -21,7 +21,8 @@ constexpr About about{
         "Casters behind one another, of which the image holds the nearest; casters that the center sees from the side; "
         "penumbrae wider than most_radius.",
     .needs_gl = true,
-    .floor = Floor::depth_draw};
+    .floor = Floor::depth_draw,
+    .handles = with_alpha_masks};
 
 class BackprojectedMap final : public AreaMap {
   Choice joints = Choice(this, "joints", "snapped", {"none", "extended", "snapped"}, Stage::setup,

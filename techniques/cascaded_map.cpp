@@ -31,7 +31,8 @@ constexpr About about{
         "A light that shines along the view: the slices see the same stretch of the light's picture. One receiver near the "
         "eye and none between it and the horizon.",
     .needs_gl = true,
-    .floor = Floor::depth_draw};
+    .floor = Floor::depth_draw,
+    .handles = with_alpha_masks};
 
 class CascadedMap final : public ComparedMap {
   Number<int> cascades{this, "cascades", 4, {.min = 1, .max = ViewSlices::most}, Stage::resolve, "How many slices."};

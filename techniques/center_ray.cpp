@@ -12,7 +12,8 @@ constexpr About about{
     .error = "No penumbra: what ignoring the light's size costs. It is taken for the share of the light's area.",
     .fails = "Wherever the light is large beside its distance from the caster.",
     .sees = Truth::shape,
-    .role = Role::baseline};
+    .role = Role::baseline,
+    .handles = with_alpha_masks};
 
 class CenterRay final : public Technique {
  public:

@@ -4,6 +4,7 @@
 #include <gnomon/kit/random.h>
 #include <gnomon/registry.h>
 
+#include "crow_counting/masked_casters.h"
 #include "crow_counting/ways.h"
 
 namespace {
@@ -24,20 +25,25 @@ constexpr About about{
         "to the light goes exactly through an edge, is dark. Of a closed body only the half that faces the light counts, and "
         "the other half is asked about points close to an edge alone: a point that rounding put through its own triangle and "
         "out of the body behind it may be lit where it is 64 times as far from the edges of that triangle as it is behind "
-        "it. Tessellation on curved shapes.",
+        "it. A triangle with an alpha mask has a volume of its own: a point in it is dark where the texel on its way to the "
+        "light is solid, which is exact, too. Tessellation on curved shapes.",
     .fails =
-        "Nothing it supports; the work grows with the length of the silhouette's shadow on the screen. A closed body that "
-        "passes through itself inside out may be taken for empty.",
-    .promise = Promise::exact};
+        "Nothing it supports; the work grows with the length of the silhouette's shadow on the screen. Casters with holes are "
+        "not counted but met one by one, so that they show nothing of what counting costs. A closed body that passes through "
+        "itself inside out may be taken for empty.",
+    .promise = Promise::exact,
+    .handles = with_alpha_masks};
 
 // Side quads are infinite and weigh what their edges count, so that open and inconsistently wound meshes and layers are right;
-// light caps are the triangles that face the light. A dark cap at infinity is never on the way.
+// light caps are the triangles that face the light. A dark cap at infinity is never on the way. Points that the count leaves
+// lit are then located in the volumes of the masked casters.
 class CrowCounting final : public PointTechnique {
  public:
   void build(const Scene& scene) override {
     remember(scene);
     volumes_.build(scene);
     own_->build(scene, remembered_->numbers);
+    masked_->build(scene, remembered_->numbers);
   }
   void relight(const Light& light) override {
     light_ = light;
@@ -62,25 +68,30 @@ class CrowCounting final : public PointTechnique {
       if (!depth.degenerate) left = counter_.count_from(Frame(gbuffer.view, start), depth.volumes);
     }
     counter_.darken_rest();
+    find_masked(mask.pixels());
   }
 
   Counts counts() const override {
     const CountingWork& work = counter_.work();
     const auto rays = static_cast<double>(std::max<std::uint64_t>(work.rays, 1));
-    const auto shared_bytes = static_cast<double>(own_->bytes() + remembered_->numbers.bytes());
-    return {count_of("silhouette_edges", volumes_.silhouette().edges.size()),
-            count_of("polygons", volumes_.count()),
-            count_of("volumes_at_eye", volumes_at_eye_),
-            count_of("rays", work.rays),
-            count_of("crossings", work.crossings),
-            count_of("crossings_per_ray", static_cast<double>(work.crossings) / rays),
-            count_of("longest_list", work.longest),
-            count_of("deepest", work.deepest),
-            count_of("crossing_tests", work.tests),
-            count_of("exact_tests", work.exact),
-            count_of("restarts", work.again),
-            count_of("degenerate_rays", work.touching),
-            {"bytes", static_cast<double>(volumes_.bytes() + counter_.bytes()) + own_.own(shared_bytes), "byte"}};
+    const auto shared_bytes = static_cast<double>(own_->bytes() + remembered_->numbers.bytes() + masked_->bytes());
+    Counts all{count_of("silhouette_edges", volumes_.silhouette().edges.size()),
+               count_of("polygons", volumes_.count()),
+               count_of("volumes_at_eye", volumes_at_eye_),
+               count_of("rays", work.rays),
+               count_of("crossings", work.crossings),
+               count_of("crossings_per_ray", static_cast<double>(work.crossings) / rays),
+               count_of("longest_list", work.longest),
+               count_of("deepest", work.deepest),
+               count_of("crossing_tests", work.tests),
+               count_of("exact_tests", work.exact),
+               count_of("restarts", work.again),
+               count_of("degenerate_rays", work.touching),
+               {"bytes", static_cast<double>(volumes_.bytes() + counter_.bytes()) + own_.own(shared_bytes), "byte"}};
+    if (masked_->empty()) return all;
+    all.push_back(count_of("masked_points", mask_work_.points));
+    all.push_back(count_of("masked_tests", mask_work_.tests));
+    return all;
   }
 
   std::vector<DebugLayer> debug_layers() const override {
@@ -89,7 +100,7 @@ class CrowCounting final : public PointTechnique {
             silhouette_layer()};
   }
   std::unique_ptr<Technique> for_another_light() const override {
-    return another(*this, &CrowCounting::remembered_, &CrowCounting::volumes_, &CrowCounting::own_);
+    return another(*this, &CrowCounting::remembered_, &CrowCounting::volumes_, &CrowCounting::own_, &CrowCounting::masked_);
   }
   std::vector<float> draw_debug(std::string_view layer) const override {
     const std::span<const PixelCount> found = counter_.found();
@@ -105,17 +116,35 @@ class CrowCounting final : public PointTechnique {
 
  private:
   const char* why_no_area() const override { return "a shadow volume has one apex: it cannot see part of an area light"; }
-  /// A volume is named by the polygon through which it was entered: a triangle of the scene or, from the number of triangles
-  /// on, an edge of the silhouette.
+  /// A masked caster that blocks the way. Else a volume is named by the polygon through which it was entered: a triangle of the
+  /// scene or, from the number of triangles on, an edge of the silhouette.
   std::uint32_t shading_triangle(std::size_t index) const override {
+    if (!masked_->empty()) {
+      MaskWork work;
+      const std::uint32_t masked = masked_->on_way(receiver(*gbuffer_, index), homogeneous(light_), work);
+      if (masked != MaskedCasters::none) return masked;
+    }
     const std::uint32_t entered = counter_.found()[index].entered;
     if (entered == no_polygon) return nothing;
     if (!volumes_.is_side(entered)) return volumes_.cap(entered);
     return static_cast<std::uint32_t>(remembered_->scene->triangle_count()) + entered;
   }
 
+  /// Darkens the lit pixels whose way to the light a masked caster blocks.
+  void find_masked(std::span<const float> lit) {
+    mask_work_ = {};
+    if (masked_->empty()) return;
+    const glm::dvec4 light = homogeneous(light_);
+    mask_work_ = for_facing_pixels(*gbuffer_, MaskWork{}, [&](std::size_t i, MaskWork& work) {
+      if (lit[i] == 0) return;
+      if (masked_->on_way(receiver(*gbuffer_, i), light, work) != MaskedCasters::none) counter_.add_volume(i);
+    });
+  }
+
   Volumes volumes_;
   Shared<OwnVolumes> own_;
+  Shared<MaskedCasters> masked_;
+  MaskWork mask_work_;
   WayCounter counter_;
   std::int64_t volumes_at_eye_ = 0;
 };

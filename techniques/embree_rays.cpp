@@ -15,11 +15,12 @@ constexpr About about{
     .source = "Wald et al. 2014 (Embree); Owen 1995 (places of the light); the ray recipe is measured, see docs/method.md.",
     .error =
         "None on the points it sees, away from rays that graze an edge closer than float32 rounding (class U). Under a light "
-        "with area a standard error of 0.002, where 8192 places suffice.",
+        "with area a standard error of 0.002, where 8192 places suffice. Rays go through the holes of alpha masks.",
     .fails = "Nowhere known; it is certified against exact_rays and exact_area by gnomon certify.",
     .promise = Promise::exact,
     .sees = Truth::shape,
-    .role = Role::reference};
+    .role = Role::reference,
+    .handles = with_alpha_masks};
 
 constexpr double least_extent = 1e-19;  ///< largest coordinate of a scene, meters
 

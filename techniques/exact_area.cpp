@@ -17,7 +17,9 @@ constexpr About about{
         "Rounding of double for lights with corners. Disc and sphere lie between polygons of 64 corners: 1e-5. It estimates "
         "the share of the light's area, and sees triangles: against exact spheres, cones and discs it errs by the "
         "tessellation.",
-    .fails = "Nothing it supports; where a large light is seen past thousands of triangles it is slow.",
+    .fails =
+        "Nothing it supports; where a large light is seen past thousands of triangles it is slow. Casters with holes are "
+        "unsupported: it does not cut alpha masks into polygons.",
     .promise = Promise::exact};
 
 class ExactArea final : public Technique {

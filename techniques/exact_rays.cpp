@@ -14,10 +14,12 @@ constexpr About about{
     .source = "None to cite for the whole; the filter is of the kind of Shewchuk 1997, derived in kit/geometry/exact.cpp.",
     .error =
         "None on the points it is given, which are float32. A point may so lie below its own triangle by a rounding; then a "
-        "neighbor across an edge, closer than that rounding, blocks it by right. Edges and vertices count as blocking. It "
-        "sees triangles: against exact spheres, cones and discs it errs by the tessellation.",
+        "neighbor across an edge, closer than that rounding, blocks it by right. Edges and vertices count as blocking. The "
+        "texel of an alpha mask is found without rounding, too. It sees triangles: against exact spheres, cones and discs it "
+        "errs by the tessellation.",
     .fails = "Nothing it supports; it is slow.",
-    .promise = Promise::exact};
+    .promise = Promise::exact,
+    .handles = with_alpha_masks};
 
 class ExactRays final : public Technique {
  public:

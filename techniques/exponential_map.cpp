@@ -14,7 +14,8 @@ constexpr About about{
         "wrong where some texels around lie behind the receiver, since one far depth outweighs all near ones.",
     .fails = "Contacts; edges of receivers before a far background, which light leaks to.",
     .needs_gl = true,
-    .floor = Floor::depth_draw};
+    .floor = Floor::depth_draw,
+    .handles = with_alpha_masks};
 
 class ExponentialMap final : public FilteredMap {
   // exp(88.7) is the largest float32, and exp(-87.3) the least that every device keeps. A blur adds up to no more than its

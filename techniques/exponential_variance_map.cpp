@@ -16,7 +16,8 @@ constexpr About about{
         "other way round, bounds what the first leaks.",
     .fails = "Casters close above each other along the ray, over the whole depth range of a large scene.",
     .needs_gl = true,
-    .floor = Floor::depth_draw};
+    .floor = Floor::depth_draw,
+    .handles = with_alpha_masks};
 
 class ExponentialVarianceMap final : public FilteredMap {
   Choice components{this, "components", "4", {"2", "4"}, Stage::setup, "Moments of the first warp alone, or of both."};

@@ -18,7 +18,8 @@ constexpr About about{
         "rounding; under three light leaks by a seventh of what variance leaks in the worst case.",
     .fails = "Three layers and more between light and receiver: leaves, fences before walls.",
     .needs_gl = true,
-    .floor = Floor::depth_draw};
+    .floor = Floor::depth_draw,
+    .handles = with_alpha_masks};
 
 class MomentMap final : public FilteredMap {
   Number<double> moment_bias = Number<double>(

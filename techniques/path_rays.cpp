@@ -26,7 +26,8 @@ constexpr About about{
         "reflect nearly all light, where paths are long.",
     .promise = Promise::sampled,
     .sees = Truth::shape,
-    .estimates = LightShareKind::irradiance};
+    .estimates = LightShareKind::irradiance,
+    .handles = with_alpha_masks};
 
 class PathRays final : public Technique {
  public:

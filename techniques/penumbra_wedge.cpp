@@ -4,6 +4,7 @@
 // Published is a rasterizer's two passes, one for the hard shadow and one for wedges, which meet in a visibility buffer. Here
 // both are computed at every visible point, so that the sum is of one outline in closed form, with nothing lost to pixels.
 #include <gnomon/kit/bases/area_point_technique.h>
+#include <gnomon/kit/bases/mask_setting.h>
 #include <gnomon/kit/counts.h>
 #include <gnomon/kit/pictures/lines.h>
 #include <gnomon/registry.h>
@@ -40,14 +41,19 @@ constexpr About about{
         "places see sides that the center does not: the floor before a box gets no penumbra from places behind a front that "
         "the center sees. A caster across the light ends in its plane, and what it hides of places that see its other side "
         "than the center counts as lit.",
+    .handles = with_alpha_masks,
     .causes = causes};
 
 class PenumbraWedge final : public AreaPointTechnique<Casters, PointQuery, Tally> {
  public:
-  Support supports(const Scene&, const Light& light, const View&) const override {
+  MaskSetting masks{this};
+
+  Support supports(const Scene& scene, const Light& light, const View&) const override {
     if (!has_area(light)) return Support::unsupported("the light has no area: its shadows are hard, see stencil_volume");
-    return Support::approximate("the outline from the light's center stands for all of it, and penumbrae add up");
+    return masks.limit(scene,
+                       Support::approximate("the outline from the light's center stands for all of it, and penumbrae add up"));
   }
+  void build(const Scene& scene) override { *built_ = Casters(masks.cut(scene)); }
   void relight(const Light& light) override {
     light_ = light;
     outline_.hull = hull_of(light);

@@ -23,7 +23,8 @@ constexpr About about{
         "Casters behind one another, of which the image holds the nearest; near casters before far ones; penumbrae wider than "
         "most_radius.",
     .needs_gl = true,
-    .floor = Floor::depth_draw};
+    .floor = Floor::depth_draw,
+    .handles = with_alpha_masks};
 
 /// Places of the light that the shader samples.
 std::vector<glm::dvec2> places(bool is_disc, int count, double turn) {

@@ -21,7 +21,8 @@ constexpr About about{
     .fails = "Receivers that are not flat: pixels off the receiver planes are lit and reported as not covered.",
     .needs_gl = true,
     .floor = Floor::depth_draw,
-    .rasterizes = true};
+    .rasterizes = true,
+    .handles = with_alpha_masks};
 
 // With the plane P = (n, d), n toward the light L, M = (P.L) I - L P^T. The image of a caster's point p has w = P.L - (light's
 // w) P.p: positive between the plane and the light, zero at the light's height. Lecture notes print the matrix of the plane
@@ -73,8 +74,8 @@ class PlanarProjected final : public Technique {
     for (int k = 0; k < 2; ++k)
       made_->receivers_programs[k] = pass_program("planar_projected receivers", receivers_constants,
                                                   fmt::format("#define PLANES_FACE {}\n", k) + receivers_fragment);
-    made_->shadow_program = Program("planar_projected shadow", projection_vertex, shadow_fragment);
-    made_->unclipped_program = Program("planar_projected unclipped shadow", unclipped_vertex, shadow_fragment);
+    made_->shadow_program = CasterPrograms("planar_projected shadow", projection_vertex, shadow_fragment);
+    made_->unclipped_program = CasterPrograms("planar_projected unclipped shadow", unclipped_vertex, shadow_fragment);
     made_->framebuffer = make_framebuffer();
     const Artefacts chosen{unclipped, double_blend};
     const auto choose = [&](const Artefacts& artefacts) {
@@ -92,6 +93,8 @@ class PlanarProjected final : public Technique {
   void build(const Scene& scene) override {
     made_->scene = &scene;
     scene_buffers(scene);
+    made_->shadow_program.fit(scene);
+    made_->unclipped_program.fit(scene);
     made_->lookup.build(scene, min_share);
     made_->extent = scene.bounds().extent();
     made_->bounds.clear();
@@ -130,8 +133,7 @@ class PlanarProjected final : public Technique {
         if (behind_plane || behind_light || !projection.may_reach(made_->bounds[m], made_->lookup.bounds()[i], slack)) continue;
         projection.casters.push_back(m);
         const bool is_clipped = height - reach < 2 * tolerance || (l.w != 0 && height + reach >= 0.99 * light_height);
-        const MeshFacts& facts = made_->scene->meshes[m].facts;
-        (facts.closed() && !is_clipped ? projection.one_sided : projection.two_sided).push_back(m);
+        (made_->scene->meshes[m].is_closed() && !is_clipped ? projection.one_sided : projection.two_sided).push_back(m);
       }
       if (!projection.casters.empty() || unclipped) projections_.push_back(std::move(projection));
     }
@@ -214,8 +216,7 @@ class PlanarProjected final : public Technique {
     }
     const SceneBuffers& buffers = scene_buffers(*made_->scene);
     const glm::dmat4 clip = clip_from_world(gbuffer, *made_->scene);
-    const Program& p = artefacts.unclipped ? made_->unclipped_program : made_->shadow_program;
-    glUseProgram(p.name());
+    const CasterPrograms& p = artefacts.unclipped ? made_->unclipped_program : made_->shadow_program;
     p.set("tolerance", static_cast<float>(made_->clip_tolerance));
     p.set("darkened", artefacts.double_blend ? 0.5f : 0.0f);
     Work work;
@@ -236,11 +237,11 @@ class PlanarProjected final : public Technique {
       const double depth = (projection.index + 1) * double(depth_step);
       glDepthRange(depth, depth);
       if (artefacts.unclipped || artefacts.double_blend) {
-        buffers.draw(casters);
+        buffers.draw(casters, p);
       } else {
-        buffers.draw(projection.two_sided);
+        buffers.draw(projection.two_sided, p);
         glEnable(GL_CULL_FACE);
-        buffers.draw(projection.one_sided);
+        buffers.draw(projection.one_sided);  // bodies: none has holes
         glDisable(GL_CULL_FACE);
       }
       ++work.planes;
@@ -269,7 +270,7 @@ class PlanarProjected final : public Technique {
 
   struct Made {
     std::array<Program, 2> receivers_programs;  // that test whether a pixel faces the light: every one, or none
-    Program shadow_program, unclipped_program;
+    CasterPrograms shadow_program, unclipped_program;
     Framebuffer framebuffer;
     const Scene* scene = nullptr;
     PlaneLookup lookup;

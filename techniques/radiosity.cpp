@@ -26,12 +26,14 @@ constexpr About about{
     .error =
         "Between the points where light is found it is interpolated: a penumbra narrower than an element is as wide as the "
         "element, and light and shadow leak where a surface crosses one. Few rays, or a coarse hemicube, err at these points. "
-        "It estimates the share of the irradiance.",
+        "Rays go through the holes of alpha masks, but what a patch with holes hands on comes from all of it evenly. It "
+        "estimates the share of the irradiance.",
     .fails = "A small thing on a large floor: what casts a shadow between the corners of a patch casts none.",
     .promise = Promise::sampled,
     .estimates = LightShareKind::irradiance,
     .needs_gl = true,
     .floor = Floor::depth_draw,
+    .handles = with_alpha_masks,
     .causes = own_causes};
 
 class Radiosity final : public Technique {
@@ -84,6 +86,10 @@ class Radiosity final : public Technique {
       return Support::unsupported(fmt::format("patch_size {} makes {} sides of patches; at most {}{}", patch_size.text(), count,
                                               most, bounces.is("0") ? "" : " when they hand light on"));
     if (form_factor.is("hemicube")) {
+      for (const Mesh& mesh : scene.meshes)
+        if (mesh.alpha_mask)
+          return Support::unsupported(fmt::format(
+              "a hemicube shows whole patches, without the holes of mesh {}: it needs form_factor=rays or contour", mesh.name));
       if (const Support enough = within_limits(Hemicube::needs(resolution())); !enough) return enough;
       for (const Mesh& mesh : scene.meshes)
         if (!mesh.casts)
@@ -119,8 +125,9 @@ class Radiosity final : public Technique {
     const Surfaces& surfaces = made_->surfaces;
     double bytes = 0;
     if (surfaces.all)
-      bytes = made_.own(static_cast<double>(surfaces.all->bytes() + surfaces.casters->bytes() + surfaces.faces->bytes() +
-                                            surfaces.patches->bytes() + made_->hemicube.bytes()));
+      bytes =
+          made_.own(static_cast<double>(surfaces.all->bytes() + surfaces.casters->bytes() + surfaces.faces->bytes() +
+                                        surfaces.patches->bytes() + bytes_of(surfaces.solid_shares) + made_->hemicube.bytes()));
     if (!lighting_) return {{"bytes", bytes, "byte"}};
     const Ledger& ledger = lighting_->ledger();
     const auto sum = [](const glm::dvec3& color) { return color.x + color.y + color.z; };

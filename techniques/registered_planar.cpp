@@ -29,7 +29,8 @@ constexpr About about{
         "Receivers that are not flat: pixels off the receiver planes are lit and reported as not covered; contact shadows "
         "and fine casters on a large plane, whose texels are large; casters within a sphere of light, as for averaged_hard.",
     .needs_gl = true,
-    .floor = Floor::depth_draw};
+    .floor = Floor::depth_draw,
+    .handles = with_alpha_masks};
 
 /// Textures of all sheets together, at most.
 constexpr double most_bytes = 0x1p31;

@@ -23,7 +23,8 @@ constexpr About about{
     .fails = "A long shadow at a grazing angle, a fine mesh of wires, and every large scene: texels are spread over all of it.",
     .needs_gl = true,
     .floor = Floor::depth_draw,
-    .is_default = true};
+    .is_default = true,
+    .handles = with_alpha_masks};
 
 class ShadowMap final : public ComparedMap {
   Choice fit = Choice(this, "fit", "scene", {"scene", "view"}, Stage::relight,

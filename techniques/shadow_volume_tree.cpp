@@ -2,7 +2,7 @@
 //
 // What a triangle shades is inside its three shadow planes and behind its own plane: four nodes. Each has a tree on either side
 // and a third one, visited from both, for triangles that lie across: they go there whole, nothing is ever split. Any triangles
-// will do, and memory is fixed.
+// will do, and memory is fixed. A query that meets a triangle in a hole goes on into all of its trees.
 #include <gnomon/kit/bases/point_technique.h>
 #include <gnomon/kit/random.h>
 #include <gnomon/registry.h>
@@ -21,12 +21,14 @@ constexpr About about{
         "from the light than the point, and one whose triangles do not reach as far from the plane that they cross",
     .error =
         "None on the float32 points it is given: a sign that float32 does not prove is taken in double, and exactly where "
-        "that does not prove it either. A way to the light through an edge or a vertex is blocked. Tessellation on curved "
-        "shapes.",
+        "that does not prove it either. A way to the light through an edge or a vertex is blocked. The texel of an alpha "
+        "mask is exact. Tessellation on curved shapes.",
     .fails =
         "Nothing it supports. A plane's third tree is visited from as far away as its largest triangle reaches; many small "
-        "and large ones side by side, and layer on layer as the light sees them, cost queries most.",
-    .promise = Promise::exact};
+        "and large ones side by side, and layer on layer as the light sees them, cost queries most. So do layers of holes: a "
+        "triangle does not end the queries that go through its holes.",
+    .promise = Promise::exact,
+    .handles = with_alpha_masks};
 
 class ShadowVolumeTree final : public PointTechnique {
  public:
@@ -49,7 +51,7 @@ class ShadowVolumeTree final : public PointTechnique {
     for_triangles(scene,
                   [&](const glm::vec3& a, const glm::vec3& b, const glm::vec3& c, std::uint32_t mesh, std::uint32_t number) {
                     if (!scene.meshes[mesh].casts) return;
-                    built_->casters.push_back({{a, b, c}, mesh, number});
+                    built_->casters.push_back({{a, b, c}, scene.meshes[mesh].alpha_mask ? no_mesh : mesh, number});
                     for (const glm::vec3& p : {a, b, c}) built_->bounds.add(p);
                   });
     if (order.is("random") || order.is("large_first")) Random(static_cast<std::uint64_t>(seed)).shuffle(built_->casters);
@@ -96,7 +98,7 @@ class ShadowVolumeTree final : public PointTechnique {
     const std::span<float> pixels = mask.pixels();
     std::ranges::fill(pixels, 1.0f);
     work_ = for_facing_pixels(gbuffer, tree_.make_work(), [&](std::size_t i, QueryWork& work) {
-      if (tree_.shading_triangle(*remembered_->scene, receiver(gbuffer, i), work) != nothing) pixels[i] = 0;
+      if (locate(gbuffer, i, work) != nothing) pixels[i] = 0;
     });
   }
 
@@ -123,7 +125,7 @@ class ShadowVolumeTree final : public PointTechnique {
     if (layer != "visits") return Technique::draw_debug(layer);
     return heat_of([&](std::size_t i) {
       QueryWork work = tree_.make_work();
-      tree_.shading_triangle(*remembered_->scene, receiver(*gbuffer_, i), work);
+      locate(*gbuffer_, i, work);
       return work.visits;
     });
   }
@@ -138,7 +140,11 @@ class ShadowVolumeTree final : public PointTechnique {
   }
   std::uint32_t shading_triangle(std::size_t index) const override {
     QueryWork work = tree_.make_work();
-    return tree_.shading_triangle(*remembered_->scene, receiver(*gbuffer_, index), work);
+    return locate(*gbuffer_, index, work);
+  }
+  /// The triangle that shades a pixel, or `nothing`.
+  std::uint32_t locate(const GBuffer& gbuffer, std::size_t i, QueryWork& work) const {
+    return tree_.shading_triangle(*remembered_->scene, receiver(gbuffer, i), work, remembered_->numbers);
   }
 
   struct Built {

@@ -5,6 +5,7 @@
 // the least deep places finds that number: where it is blocked, all are; else the least deep ones are seen, and no other.
 #include <gnomon/kit/area/light_shape.h>
 #include <gnomon/kit/bases/area_point_technique.h>
+#include <gnomon/kit/bases/mask_setting.h>
 #include <gnomon/kit/counts.h>
 #include <gnomon/registry.h>
 
@@ -27,10 +28,12 @@ constexpr About about{
         "n^-0.5 where they are random and as about n^-0.75 where they are spread evenly. Each place is what exact signs say "
         "of the float32 points, but within double's rounding of an edge, or where a point is within 2^-48 of its coordinates "
         "of another caster's plane and counts as in it. It estimates the share of the light's area, and sees triangles: "
-        "against exact spheres, cones and discs it errs by the tessellation.",
+        "against exact spheres, cones and discs it errs by the tessellation. Edges of holes are rounded to float32 where masks "
+        "are cut.",
     .fails =
         "Nothing it supports. It is slow where many silhouette edges lie before the light: soups, leaves, and points close to "
-        "finely tessellated casters under a large light."};
+        "finely tessellated casters under a large light.",
+    .handles = with_alpha_masks};
 
 /// The box around a light and the box of its figures' places: of a round one any square around it. Wider by what rounding may
 /// have cut off.
@@ -57,11 +60,13 @@ class SoftVolume final : public AreaPointTechnique<Casters, PointQuery, Tally> {
              "Where they are, as in area_rays: anywhere; one in each of as many cells; a sequence that fills the light "
              "evenly; the same sequence, scrambled alike for every fourth pixel along x and y.");
   Number<int> seed{this, "seed", 1, {"", 0, 1000000}, Stage::resolve, "Other random numbers."};
+  MaskSetting masks{this};
 
-  Support supports(const Scene&, const Light& light, const View&) const override {
+  Support supports(const Scene& scene, const Light& light, const View&) const override {
     if (!has_area(light)) return Support::unsupported("the light has no area: its shadows are hard, see shadow_volume_tree");
-    return Support::full();
+    return masks.limit(scene, Support::full());
   }
+  void build(const Scene& scene) override { *built_ = Casters(masks.cut(scene)); }
   void relight(const Light& light) override {
     light_ = light;
     lamp_.box = box_of(LightShape(light));

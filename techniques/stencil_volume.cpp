@@ -1,4 +1,5 @@
 // Stencil shadow volumes: faces of the casters' shadow volumes, counted per pixel by the rasterizer.
+#include <gnomon/kit/bases/mask_setting.h>
 #include <gnomon/kit/geometry/box_tree.h>
 #include <gnomon/kit/geometry/camera.h>
 #include <gnomon/kit/volumes/volume_technique.h>
@@ -19,7 +20,8 @@ constexpr About about{
         "edges with multiplicity); Lengyel 2011, Table 10.1 (winding of side quads).",
     .error =
         "Exact up to the rasterizer's snapping of vertices to 1/256 pixel: the share of pixels that a shift by half of "
-        "that would flip is the row's snapping_floor. Light caps and lit surfaces tie bit for bit, so there is no bias.",
+        "that would flip is the row's snapping_floor. Light caps and lit surfaces tie bit for bit, so there is no bias. Edges of "
+        "holes are rounded to float32 where masks are cut.",
     .fails =
         "The count zpass with the eye in a shadow volume: every pixel is off by the volumes around the eye, and the row "
         "says so. An edge that meets the middle of another one (T-junction) is a crack of the input: single pixels along "
@@ -27,7 +29,8 @@ constexpr About about{
         "receivers inside that region.",
     .needs_gl = true,
     .floor = Floor::depth_draw,
-    .rasterizes = true};
+    .rasterizes = true,
+    .handles = with_alpha_masks};
 
 /// Eighteen vertices a triangle, nine where volumes are pointed.
 constexpr std::string_view triangle_sides_body = R"(
@@ -65,24 +68,13 @@ class StencilVolume final : public VolumeTechnique {
   Choice counter =
       Choice(this, "counter", "auto", {"auto", "wide"}, Stage::relight,
              "Eight stencil bits where no more than 255 volumes can overlap and 32 bits elsewhere, or always 32 bits.");
+  MaskSetting masks{this};
 
  public:
   Support supports(const Scene& scene, const Light& light, const View& view) const override {
     if (has_area(light)) return Support::unsupported("a shadow volume has one apex: lights with area have none");
-    GlLimits needed = FaceDrawer::needs(scene);
-    if (finder.is("gpu")) needed = most_of(needed, stencil_volume::GpuFinder::needs(scene));
-    if (const Support enough = within_limits(needed); !enough) return enough;
-    if (count.is("zfail")) return Support::full();
-    const stencil_volume::EyePlace eye = stencil_volume::EyePlaceFinder(scene, light, view).place();
-    if (eye.boundary) return Support::approximate("the eye lies on the boundary of a shadow volume, within rounding");
-    if (eye.inside && count.is("zpass"))
-      return Support::approximate("the eye is inside a shadow volume, which zpass does not count");
-    if (near_rectangle() && eye.light_beside)
-      return Support::approximate("the light lies in the near plane: the volumes around the eye are counted instead");
-    if (near_rectangle() && eye.near_rectangle)
-      return Support::approximate(
-          "a shadow volume cuts the near rectangle, where near cap and sides do not meet in every pixel");
-    return Support::full();
+    if (const Support limit = masks.limit(scene, Support::full()); !limit) return limit;
+    return masks.limit(scene, supports_polygons(cut(scene).scene(), light, view));
   }
 
   void setup() override {
@@ -98,7 +90,11 @@ class StencilVolume final : public VolumeTechnique {
     warm_up(*this);
   }
 
-  void build(const Scene& scene) override {
+  void build(const Scene& original) override {
+    // What replaces it may lie where it was.
+    if (own_->cut.is_cut()) forget_scene(own_->cut.scene());
+    own_->cut = cut(original);
+    const Scene& scene = own_->cut.scene();
     made_->scene = &scene;
     own_->casters.reset();
     scene_buffers(scene);
@@ -148,7 +144,8 @@ class StencilVolume final : public VolumeTechnique {
     const auto closed = std::ranges::count_if(made_->adjacency.parts(), &EdgeAdjacency::Part::closed);
     double edges = 0;  // with multiplicity
     for (const SilhouetteEdge& edge : silhouette().edges) edges += std::abs(edge.count);
-    const std::size_t bytes = VolumeTechnique::bytes() + static_cast<std::size_t>(own_.own(double(own_->gpu_finder.bytes())));
+    const auto own_bytes = static_cast<double>(own_->gpu_finder.bytes() + own_->cut.bytes());
+    const std::size_t bytes = VolumeTechnique::bytes() + static_cast<std::size_t>(own_.own(own_bytes));
     const std::int64_t depth_bound =
         finder.is("gpu") ? bound_depth(made_->adjacency, silhouette(), VolumeCounter::stencil_limit) : depth_bound_;
     Counts counts{{"closed_parts", double(closed), ""},
@@ -181,7 +178,7 @@ class StencilVolume final : public VolumeTechnique {
     own_->casters->any(SegmentSlabs(way), 0, [&](std::uint32_t place) {
       const std::uint32_t t = own_->casters->order()[place];
       if (silhouette().facing[t] != 0 && crosses(way, made_->adjacency.corners(t)) != Crossing::none)
-        first = std::min<std::uint64_t>(first, t);
+        first = std::min<std::uint64_t>(first, own_->cut.source(t));
       return false;
     });
     if (first < made_->adjacency.triangles().size()) why.element = first;
@@ -193,6 +190,25 @@ class StencilVolume final : public VolumeTechnique {
   }
 
  private:
+  /// Its pieces are drawn from the eye, too: light caps tie with nothing else.
+  CutMasks cut(const Scene& scene) const { return masks.cut(scene, CutMasks::Shown::pieces); }
+  /// Of a scene without holes.
+  Support supports_polygons(const Scene& scene, const Light& light, const View& view) const {
+    GlLimits needed = FaceDrawer::needs(scene);
+    if (finder.is("gpu")) needed = most_of(needed, stencil_volume::GpuFinder::needs(scene));
+    if (const Support enough = within_limits(needed); !enough) return enough;
+    if (count.is("zfail")) return Support::full();
+    const stencil_volume::EyePlace eye = stencil_volume::EyePlaceFinder(scene, light, view).place();
+    if (eye.boundary) return Support::approximate("the eye lies on the boundary of a shadow volume, within rounding");
+    if (eye.inside && count.is("zpass"))
+      return Support::approximate("the eye is inside a shadow volume, which zpass does not count");
+    if (near_rectangle() && eye.light_beside)
+      return Support::approximate("the light lies in the near plane: the volumes around the eye are counted instead");
+    if (near_rectangle() && eye.near_rectangle)
+      return Support::approximate(
+          "a shadow volume cuts the near rectangle, where near cap and sides do not meet in every pixel");
+    return Support::full();
+  }
   CountWhere where() const { return count.is("zfail") ? CountWhere::behind_surface : CountWhere::before_surface; }
   bool near_rectangle() const { return count.is("zpass_plus") && near_cap.is("rectangle"); }
   /// The near rectangle as the light sees it, unless the light lies in its plane.
@@ -250,6 +266,7 @@ class StencilVolume final : public VolumeTechnique {
   }
 
   struct Own {
+    CutMasks cut;
     VolumeProgram triangle_sides, near_cap_program;
     stencil_volume::GpuFinder gpu_finder;
     std::unique_ptr<BoxTree> casters;  // made by the first `explain`

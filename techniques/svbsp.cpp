@@ -8,6 +8,7 @@
 //   face_planes  any order, with the polygon's own plane as the last of its IN cell;
 //   tiles        tiles as the light sees them, split as long as that leaves fewer polygons in each, and in each one the nearest
 //                polygons first, with face planes.
+#include <gnomon/kit/bases/mask_setting.h>
 #include <gnomon/kit/bases/point_technique.h>
 #include <gnomon/kit/pictures/surface_detail.h>
 #include <gnomon/registry.h>
@@ -30,12 +31,14 @@ constexpr About about{
         "of its coordinates: within it double decides, and everything counts as on a plane; whether the point lies beyond "
         "the polygon nearest to the light is decided exactly. A point that rounding put behind its own triangle is lit where "
         "that one, or another in its plane, is nearest to the light: a cell knows the nearest polygon alone, and not what "
-        "lies between it and the point. Tessellation on curved shapes.",
+        "lies between it and the point. Tessellation on curved shapes. Edges of holes are rounded to float32 where masks are "
+        "cut.",
     .fails =
         "Nothing it supports. Many small polygons behind many others, as the light sees them, are cut most: fragments per "
         "polygon grow with the depth of layers. order=bsp cuts them twice. A fan of n triangles around one point takes "
         "time like n^2, but for order=face_planes.",
-    .promise = Promise::exact};
+    .promise = Promise::exact,
+    .handles = with_alpha_masks};
 
 class Svbsp final : public PointTechnique {
  public:
@@ -54,8 +57,18 @@ class Svbsp final : public PointTechnique {
                   "Tiles hold about as many polygons; those with more are split, where that deals them out.");
   Flag merge{this, "merge", true, Stage::relight,
              "Surface detail: a polygon whose fragments are all lit, or all shadowed, is left whole."};
+  MaskSetting masks{this};
 
-  void build(const Scene& scene) override {
+  Support supports(const Scene& scene, const Light& light, const View& view) const override {
+    const Support support = masks.limit(scene, PointTechnique::supports(scene, light, view));
+    if (support.kind() == Support::Kind::full && order.is("bsp") && std::ranges::any_of(scene.meshes, casts_with_holes))
+      return Support::unsupported("planes of the regular BSP tree would divide what is cut out of one triangle");
+    return support;
+  }
+
+  void build(const Scene& original) override {
+    built_->cut = masks.cut(original);
+    const Scene& scene = built_->cut.scene();
     remember(scene);
     built_->triangles.clear();
     built_->triangles.reserve(scene.triangle_count());
@@ -113,7 +126,8 @@ class Svbsp final : public PointTechnique {
   Counts counts() const override {
     const TreeWork work = forest_.work();
     const std::size_t bytes = bytes_of(signs_, front_to_back_) + pieces_.bytes() + forest_.bytes();
-    const std::size_t shared_bytes = bytes_of(built_->triangles) + (built_->bsp ? built_->bsp->bytes() : 0);
+    const std::size_t shared_bytes =
+        bytes_of(built_->triangles) + (built_->bsp ? built_->bsp->bytes() : 0) + built_->cut.bytes();
     std::size_t pieces = 0;
     for (int face = 0; face < 6; ++face) pieces += pieces_.of_face(face).size();
     const std::uint64_t fragments = work.lit + work.shadowed;
@@ -178,7 +192,8 @@ class Svbsp final : public PointTechnique {
     return {.epsilon = {}, .drop = drop, .tile_size = static_cast<std::size_t>(tile_size)};
   }
   bool casts(std::uint32_t triangle) const {
-    return signs_[triangle] != 0 && remembered_->scene->meshes[built_->triangles[triangle].mesh].casts;
+    return signs_[triangle] != 0 && signs_[built_->cut.source(triangle)] != 0 &&
+           remembered_->scene->meshes[built_->triangles[triangle].mesh].casts;
   }
   void make_pieces(const glm::dvec4& light) {
     if (!built_->bsp) {
@@ -219,7 +234,7 @@ class Svbsp final : public PointTechnique {
   /// The regular BSP tree of the scene, for pictures: made at the first request where no order needs it.
   const Bsp& regular_tree() const {
     if (built_->bsp) return *built_->bsp;
-    if (!built_->drawn_bsp) built_->drawn_bsp.emplace(*remembered_->scene, bsp_options());
+    if (!built_->drawn_bsp) built_->drawn_bsp.emplace(built_->cut.original(), bsp_options());
     return *built_->drawn_bsp;
   }
   /// The second pass of the source: the regular BSP tree's polygons with their surface detail.
@@ -237,7 +252,7 @@ class Svbsp final : public PointTechnique {
     });
   }
 
-  Facing facing() const { return {built_->triangles, signs_}; }
+  Facing facing() const { return {built_->triangles, signs_, &built_->cut}; }
   Query query(const GBuffer& gbuffer, std::size_t i) const {
     const auto [face, at] = space_.of_world(gbuffer.position(i));
     Query query = forest_.query(face, at);
@@ -250,10 +265,10 @@ class Svbsp final : public PointTechnique {
     locate<1>({&query, 1}, visits);
     return query;
   }
-  /// The triangle that shades a pixel's point, or `nothing`; the query is in its cell.
+  /// The triangle of the scene that shades a pixel's point, or `nothing`; the query is in its cell.
   std::uint32_t shading_triangle(const GBuffer& gbuffer, const Query& query) const {
     if (!is_in_cell(query.link)) return nothing;
-    const std::uint32_t nearest = triangle_in(query.link);
+    const std::uint32_t nearest = built_->cut.source(triangle_in(query.link));
     const NumberedReceiver receiver = this->receiver(gbuffer, query.pixel);
     if (receiver.is_own(nearest)) return nothing;
     const glm::vec3* p = built_->triangles[nearest].points;
@@ -262,6 +277,7 @@ class Svbsp final : public PointTechnique {
   }
 
   struct Built {
+    CutMasks cut;
     Bounds bounds;                         // of the casters
     std::vector<SceneTriangle> triangles;  // of all meshes
     std::optional<Bsp> bsp;                // for order=bsp

@@ -7,6 +7,7 @@
 // each other need no case of their own, and since the planes bound a cone on its own side only, what lies behind the light
 // stays out. Candidates come from a grid in light space. What lies beyond casters that cover its cell, or all of its places
 // there, is in shadow and is not clipped at all.
+#include <gnomon/kit/bases/mask_setting.h>
 #include <gnomon/kit/bases/point_technique.h>
 #include <gnomon/kit/pictures/surface_detail.h>
 #include <gnomon/registry.h>
@@ -26,12 +27,13 @@ constexpr About about{
         "None on the float32 points it is given: pieces are in double, and points within rounding of a piece's border or of "
         "their triangle's, and casters within rounding of their receiver's plane, are decided one by one by exact signs. A "
         "way to the light through an edge or a vertex is blocked. Tessellation on curved shapes, whose points are all "
-        "decided one by one.",
+        "decided one by one. Edges of holes are rounded to float32 where masks are cut.",
     .fails =
         "Nothing it supports. Fragments multiply where layer lies on layer of large triangles; many triangles that stand "
         "edge to the light, or share one line of sight, crowd a cell that no grid can thin out, and pairs there are "
         "quadratic.",
-    .promise = Promise::exact};
+    .promise = Promise::exact,
+    .handles = with_alpha_masks};
 
 class TwoPassObject final : public PointTechnique {
  public:
@@ -40,12 +42,16 @@ class TwoPassObject final : public PointTechnique {
                      "About how many triangles a cell of the light-space grid holds; it never changes the answer.");
   Flag merge{this, "merge", true, Stage::relight,
              "Surface detail of a triangle that is lit, or in shadow, throughout is one polygon; the mask does not need it."};
+  MaskSetting masks{this};
 
+  Support supports(const Scene& scene, const Light& light, const View& view) const override {
+    return masks.limit(scene, PointTechnique::supports(scene, light, view));
+  }
   void build(const Scene& scene) override {
-    remember(scene);
     map_.clear();
     is_lit_up_ = false;
-    triangles_.build(scene);
+    triangles_.build(masks.cut(scene));
+    remember(triangles_.scene());
   }
   void relight(const Light& light) override {
     light_ = light;
@@ -106,7 +112,8 @@ class TwoPassObject final : public PointTechnique {
  private:
   const char* why_no_area() const override { return "surfaces are hidden from one point of the light: it has no area"; }
   std::uint32_t shading_triangle(std::size_t index) const override {
-    return map_.shading(triangles_, receiver(*gbuffer_, index));
+    const std::uint32_t shading = map_.shading(triangles_, receiver(*gbuffer_, index));
+    return shading == LightMap::none ? nothing : triangles_.source(shading);
   }
 
   bool is_lit_up_ = false, merges_ = true;

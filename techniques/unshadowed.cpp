@@ -12,7 +12,8 @@ constexpr About about{.title = "Unshadowed",
                       .source = "none",
                       .error = "Every shadow is missing.",
                       .fails = "Wherever there is a shadow.",
-                      .role = Role::baseline};
+                      .role = Role::baseline,
+                      .handles = with_alpha_masks};
 
 class Unshadowed final : public Technique {
  public:

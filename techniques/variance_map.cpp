@@ -16,7 +16,8 @@ constexpr About about{
         "receiver, and light leaks where depths vary more: under two casters, behind the edge of the nearer.",
     .fails = "Layers of casters at many depths: leaves, fences before walls. leak_reduction hides leaks and widens shadows.",
     .needs_gl = true,
-    .floor = Floor::depth_draw};
+    .floor = Floor::depth_draw,
+    .handles = with_alpha_masks};
 
 class VarianceMap final : public FilteredMap {
   Number<double> least_deviation = Number<double>(

@@ -30,7 +30,8 @@ constexpr About about{
         "Pixels that ask for pages far apart: surfaces edge-on to the light, leaves and grass; a page is then drawn for a few "
         "pixels. All but the fit is work of resolve, paid for in every picture.",
     .needs_gl = true,
-    .floor = Floor::depth_draw};
+    .floor = Floor::depth_draw,
+    .handles = with_alpha_masks};
 
 class VirtualMap final : public Technique {
   Number<double> texels_per_pixel =
@@ -79,6 +80,7 @@ class VirtualMap final : public Technique {
     made_->boxes = mesh_boxes(scene);
     made_->solid_parts = solid_parts(scene);
     scene_buffers(scene);
+    made_->drawer.build(scene);
   }
   void relight(const Light& light) override {
     light_ = light;

@@ -30,7 +30,8 @@ constexpr About about{
         "A light that shines along the view, where no direction of the image is that of depth: it is not warped then. "
         "Casters high above what the eye sees close by.",
     .needs_gl = true,
-    .floor = Floor::depth_draw};
+    .floor = Floor::depth_draw,
+    .handles = with_alpha_masks};
 
 constexpr int row_count = 256;  // of what the window shows: its hull is exact to a row
 

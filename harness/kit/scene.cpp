@@ -61,6 +61,10 @@ Bounds Scene::bounds() const {
 
 bool Scene::has_curved_shapes() const { return std::ranges::any_of(meshes, &Mesh::has_curved_shape); }
 
+bool Scene::has_alpha_masks() const {
+  return std::ranges::any_of(meshes, [](const Mesh& mesh) { return mesh.alpha_mask != nullptr; });
+}
+
 double extent(const Scene& scene, const Light& light, const View& view) {
   const glm::dvec4 l = homogeneous_of_center(light);
   glm::dvec3 reach(0);  // of the light from its center, along x, y and z

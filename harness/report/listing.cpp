@@ -9,9 +9,15 @@ namespace {
 
 Json about_json(const TechniqueEntry& entry) {
   const About& about = entry.about;
-  return {
-      {"id", entry.id},           {"title", about.title},       {"role", name(about.role)}, {"promise", name(about.promise)},
-      {"sees", name(about.sees)}, {"needs_gl", about.needs_gl}, {"summary", about.summary}, {"named_only", about.named_only}};
+  return {{"id", entry.id},
+          {"title", about.title},
+          {"role", name(about.role)},
+          {"promise", name(about.promise)},
+          {"sees", name(about.sees)},
+          {"handles", handled(about)},
+          {"needs_gl", about.needs_gl},
+          {"summary", about.summary},
+          {"named_only", about.named_only}};
 }
 
 std::string hex(const std::array<std::uint8_t, 3>& color) {
@@ -22,6 +28,12 @@ std::string hex(const std::array<std::uint8_t, 3>& color) {
 std::string unit_of(const MetricInfo& metric) { return metric.unit.empty() ? "share" : std::string(metric.unit); }
 
 }  // namespace
+
+std::vector<std::string> handled(const About& about) {
+  std::vector<std::string> names;
+  for (const Feature feature : about.handles) names.emplace_back(name(feature));
+  return names;
+}
 
 std::string list_text(std::span<const TechniqueEntry> entries, std::size_t width) {
   TextTable table({{"id", ""}, {"title", ""}, {"role", ""}, {"promise", ""}, {"sees", ""}, {"summary", ""}});
@@ -107,6 +119,7 @@ std::string describe_text(const TechniqueEntry& entry, std::size_t width, std::s
   add("fails", about.fails);
   add("promise", name(about.promise));
   add("sees", name(about.sees));
+  add("handles", joined(handled(about), ", "));
   add("role", name(about.role));
   add("needs OpenGL", about.needs_gl ? "yes" : "no");
   if (about.floor != Floor::none) add("bare pass", name(about.floor));

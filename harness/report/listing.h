@@ -3,6 +3,7 @@
 
 #include <span>
 #include <string>
+#include <vector>
 
 #include "measure/record/record.h"
 #include "measure/score/metrics.h"
@@ -10,6 +11,9 @@
 namespace gnomon {
 
 // What `gnomon list` and `gnomon describe` print: text for a terminal `width` columns wide (0: no limit), or JSON.
+
+/// The names of the features of scenes that a technique handles: "alpha_masks".
+std::vector<std::string> handled(const About& about);
 
 std::string list_text(std::span<const TechniqueEntry> entries, std::size_t width = 0);
 Json list_json(std::span<const TechniqueEntry> entries);

@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "measure/scene/blob.h"
+#include "report/listing.h"
 #include "report/table/layout.h"
 
 namespace gnomon {
@@ -99,6 +100,7 @@ std::string technique_page(const TechniqueEntry& entry) {
   fact("Fails", markdown_text(or_dash(about.fails)));
   fact("Promise", std::string(name(about.promise)));
   fact("Geometry seen", std::string(name(about.sees)));
+  fact("Handles", or_dash(code(joined(handled(about), "`, `"))));
   if (answers_area(entry)) fact("Lights with area", fmt::format("estimates the share of their {}", name(about.estimates)));
   if (!about.lights.empty()) fact("Lights", joined(about.lights, ", "));
   fact("Role", std::string(name(about.role)));

@@ -35,11 +35,38 @@ std::string mesh_table(const Scene& scene, std::size_t width) {
   constexpr std::size_t shown = 40;
   for (const Mesh& mesh : std::span(scene.meshes).first(std::min(shown, scene.meshes.size())))
     table.add_row({mesh.name, std::to_string(mesh.triangles.size()), mesh.shape ? std::string(kind_name(*mesh.shape)) : "-",
-                   mesh.facts.closed() ? "yes" : "no", std::to_string(mesh.facts.boundary_edge_count),
+                   mesh.is_closed() ? "yes" : "no", std::to_string(mesh.facts.boundary_edge_count),
                    std::to_string(mesh.facts.nonmanifold_edge_count), std::to_string(mesh.facts.misoriented_edge_count),
                    std::to_string(mesh.facts.degenerate_count)});
   std::string text = table.text(width);
   if (scene.meshes.size() > shown) text += fmt::format("and {} more\n", scene.meshes.size() - shown);
+  return text;
+}
+
+/// Each alpha mask once: which meshes have it, and what of it is solid. Empty for a scene without masks.
+std::string mask_table(const Scene& scene, std::size_t width) {
+  TextTable table({{"alpha mask", "texels"},
+                   {"wrap", ""},
+                   {"cutoff", "", Align::right},
+                   {"solid", "", Align::right},
+                   {"meshes", "", Align::right},
+                   {"first mesh", ""}});
+  std::vector<const AlphaMask*> masks;
+  for (const Mesh& mesh : scene.meshes)
+    if (mesh.alpha_mask && std::ranges::find(masks, mesh.alpha_mask.get()) == masks.end())
+      masks.push_back(mesh.alpha_mask.get());
+  if (masks.empty()) return "";
+  constexpr std::size_t shown = 40;
+  for (const AlphaMask* const mask : std::span(masks).first(std::min(shown, masks.size()))) {
+    const auto has_it = [&](const Mesh& mesh) { return mesh.alpha_mask.get() == mask; };
+    table.add_row({fmt::format("{} x {}", mask->width(), mask->height()),
+                   fmt::format("{} {}", wrap_name(mask->wrap_u()), wrap_name(mask->wrap_v())),
+                   fmt::format("{:g}", mask->cutoff()), fmt::format("{:.3g} %", 100 * mask->coverage()),
+                   std::to_string(std::ranges::count_if(scene.meshes, has_it)),
+                   std::ranges::find_if(scene.meshes, has_it)->name});
+  }
+  std::string text = '\n' + table.text(width);
+  if (masks.size() > shown) text += fmt::format("and {} more\n", masks.size() - shown);
   return text;
 }
 
@@ -49,16 +76,24 @@ const SceneEntry* generator_of(const std::string& reference) {
 }
 
 Json mesh_json(const Mesh& mesh) {
-  return {{"name", mesh.name},
-          {"triangles", mesh.triangles.size()},
-          {"shape", mesh.shape ? Json(kind_name(*mesh.shape)) : Json()},
-          {"casts", mesh.casts},
-          {"receives", mesh.receives},
-          {"closed", mesh.facts.closed()},
-          {"boundary_edges", mesh.facts.boundary_edge_count},
-          {"nonmanifold_edges", mesh.facts.nonmanifold_edge_count},
-          {"misoriented_edges", mesh.facts.misoriented_edge_count},
-          {"dropped_triangles", mesh.facts.degenerate_count}};
+  Json json = {{"name", mesh.name},
+               {"triangles", mesh.triangles.size()},
+               {"shape", mesh.shape ? Json(kind_name(*mesh.shape)) : Json()},
+               {"casts", mesh.casts},
+               {"receives", mesh.receives},
+               {"closed", mesh.is_closed()},
+               {"boundary_edges", mesh.facts.boundary_edge_count},
+               {"nonmanifold_edges", mesh.facts.nonmanifold_edge_count},
+               {"misoriented_edges", mesh.facts.misoriented_edge_count},
+               {"dropped_triangles", mesh.facts.degenerate_count}};
+  if (const AlphaMask* const mask = mesh.alpha_mask.get())
+    json["alpha_mask"] = {{"width", mask->width()},
+                          {"height", mask->height()},
+                          {"wrap_u", wrap_name(mask->wrap_u())},
+                          {"wrap_v", wrap_name(mask->wrap_v())},
+                          {"cutoff", number_json(mask->cutoff())},
+                          {"coverage", mask->coverage()}};
+  return json;
 }
 
 }  // namespace
@@ -75,7 +110,8 @@ std::string describe_text(const std::string& reference, const Scene& scene, std:
   for (const Light& light : scene.lights) lights.add_row({light.name, std::string(kind_name(light)), words(scene_keys(light))});
   TextTable views({{"view", ""}, {"keys of a scene file", "meters"}});
   for (const View& view : scene.views) views.add_row({view.name, words(scene_keys(view))});
-  return text + fmt::format("\n{}\n{}\n{}", lights.text(width), views.text(width), mesh_table(scene, width));
+  return text + fmt::format("\n{}\n{}\n{}{}", lights.text(width), views.text(width), mesh_table(scene, width),
+                            mask_table(scene, width));
 }
 
 Json describe_json(const std::string& reference, const Scene& scene) {

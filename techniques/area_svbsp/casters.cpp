@@ -135,12 +135,30 @@ class VolumeMaker {
 
 }  // namespace
 
-Casters::Casters(const Scene& of) : scene(&of), bounds(of.bounds()), numbers(of) {
-  for (std::uint32_t m = 0; m < of.meshes.size(); ++m)
-    if (of.meshes[m].casts) add_polygons(of.meshes[m], m, numbers.first_of(m), polygons);
+Casters::Casters(CutMasks masks) : cut(std::move(masks)), scene(&cut.scene()), bounds(scene->bounds()), numbers(*scene) {
+  for (std::uint32_t m = 0; m < scene->meshes.size(); ++m)
+    if (scene->meshes[m].casts) add_polygons(scene->meshes[m], m, numbers.first_of(m), polygons);
   std::vector<Bounds> all;
   for (const CasterPolygon& polygon : polygons) all.push_back(polygon.bounds());
   boxes = BoxTree(all);
+}
+
+Triangle Casters::source(std::uint32_t number) const {
+  const std::uint32_t whole = cut.source(number), mesh = numbers.mesh_of(whole);
+  return scene->meshes[mesh].corners(whole - numbers.first_of(mesh));
+}
+
+bool Casters::leaves_out(const Receiver& point, const CasterPolygon& polygon) const {
+  const NumberedReceiver receiver = numbers.numbered(point);
+  if (receiver.is_own(cut.source(polygon.triangles[0])) || receiver.is_own(cut.source(polygon.triangles[1]))) return true;
+  if (!cut.is_piece(polygon.triangles[0])) return receiver.is_coplanar(*scene, polygon.corners);
+  return receiver.is_coplanar(*scene, source(polygon.triangles[0]).points);
+}
+
+bool Casters::is_coplanar(const glm::vec3* triangle, const CasterPolygon& polygon) const {
+  const auto is_in_plane = [&](const glm::vec3& corner) { return coplanar(triangle[0], triangle[1], triangle[2], corner); };
+  if (cut.is_piece(polygon.triangles[0])) return std::ranges::all_of(source(polygon.triangles[0]).points, is_in_plane);
+  return std::ranges::all_of(std::span(polygon.corners, polygon.count), is_in_plane);
 }
 
 void Volumes::make(std::span<const CasterPolygon> polygons, const LightBody& light, double epsilon) {

@@ -1,5 +1,6 @@
 #pragma once
 #include <gnomon/kit/geometry/box_tree.h>
+#include <gnomon/kit/geometry/cut_masks.h>
 #include <gnomon/kit/geometry/receiver.h>
 
 #include "volume.h"
@@ -22,15 +23,27 @@ struct CasterPolygon {
 
 /// All that casts in a scene, without triangles of zero area. The scene must outlive it.
 struct Casters {
-  const Scene* scene = nullptr;
-  Bounds bounds;  ///< of the scene
+  CutMasks cut;
+  const Scene* scene = nullptr;  ///< after the cut
+  Bounds bounds;                 ///< of the scene
   TriangleNumbers numbers;
   std::vector<CasterPolygon> polygons;
   BoxTree boxes;  ///< of the polygons
 
   Casters() = default;
-  explicit Casters(const Scene& scene);
-  std::size_t bytes() const { return bytes_of(polygons) + numbers.bytes() + boxes.bytes(); }
+  explicit Casters(const Scene& scene) : Casters(CutMasks(scene)) {}
+  explicit Casters(CutMasks cut);
+
+  /// Whether a polygon never shades a point of a triangle: it is its own, a piece of it, or in its plane. `point` may be in
+  /// space, or on a mesh that is left out whole.
+  bool leaves_out(const Receiver& point, const CasterPolygon& polygon) const;
+  /// The same of all points of a receiving triangle, counted over the scene, for polygons of other triangles and for pieces.
+  bool is_coplanar(const glm::vec3* triangle, const CasterPolygon& polygon) const;
+  std::size_t bytes() const { return bytes_of(polygons) + numbers.bytes() + boxes.bytes() + cut.bytes(); }
+
+ private:
+  /// The triangle of the original scene that a polygon's triangle is a piece of, or itself.
+  Triangle source(std::uint32_t number) const;
 };
 
 /// The umbra and penumbra volumes of all casters for one light, with boxes over them.

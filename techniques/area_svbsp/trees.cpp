@@ -25,7 +25,7 @@ std::vector<Side> find_sides(const Lighting& lighting, double epsilon, std::vect
     Bounds box;
     box.add(mesh.positions);
     const bool is_apart = glm::any(glm::lessThan(box.max, lamp.min)) || glm::any(glm::lessThan(lamp.max, box.min));
-    const bool has_inside = mesh.casts && mesh.facts.closed() && is_apart;
+    const bool has_inside = mesh.casts && mesh.is_closed() && is_apart;
     for (std::size_t t = 0; t < mesh.triangles.size();
          ++t, ++number, first_of.push_back(static_cast<std::uint32_t>(sides.size()))) {
       if (!mesh.receives) continue;
@@ -74,8 +74,6 @@ class Finder {
                -epsilon_;
       });
     };
-    const glm::vec3* const p = triangle.points;
-    const auto is_coplanar = [&](const glm::vec3& corner) { return coplanar(p[0], p[1], p[2], corner); };
     const Casters& casters = *lighting_.casters;
     casters.boxes.each(meets, [&](std::uint32_t place) {
       const std::uint32_t number = casters.boxes.order()[place];
@@ -85,7 +83,7 @@ class Finder {
       double highest = -INFINITY;
       for (std::uint32_t k = 0; k < polygon.count; ++k) highest = std::max(highest, plane.at(glm::dvec3(polygon.corners[k])));
       if (highest <= epsilon_) return false;
-      if (highest < 1e5 * epsilon_ && std::ranges::all_of(std::span(polygon.corners, polygon.count), is_coplanar)) return false;
+      if (highest < 1e5 * epsilon_ && casters.is_coplanar(triangle.points, polygon)) return false;
       const auto [begin, end] = lighting_.volumes->of(number);
       for (std::uint32_t v = begin; v < end; ++v) {
         const Volume& volume = lighting_.volumes->all()[v];
@@ -122,10 +120,7 @@ void find_between(const Casters& casters, const Receiver& receiver, const LightF
     const CasterPolygon& polygon = casters.polygons[number];
     const Bounds bounds = polygon.bounds();
     if (!pyramid.meets(&bounds.min.x, &bounds.max.x)) return false;
-    const std::uint32_t first = casters.numbers.first_of(polygon.mesh);
-    const bool is_own = receiver.is_own(polygon.mesh, polygon.triangles[0] - first) ||
-                        receiver.is_own(polygon.mesh, polygon.triangles[1] - first);
-    if (!is_own && !receiver.is_coplanar(*casters.scene, polygon.corners)) found.push_back(number);
+    if (!casters.leaves_out(receiver, polygon)) found.push_back(number);
     return false;
   });
 }

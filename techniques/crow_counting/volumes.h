@@ -10,10 +10,20 @@
 namespace gnomon::crow_counting {
 
 /// The polygons of all shadow volumes of a scene and a light: the side quads of the silhouette, then the light caps, which are
-/// the triangles that face the light. A side quad is there once and counts for its edge's count.
+/// the triangles that face the light. A side quad is there once and counts for its edge's count. Casters with alpha masks have
+/// none (masked_casters.h).
 class Volumes {
  public:
-  void build(const Scene& scene) { *adjacency_ = EdgeAdjacency(scene); }
+  void build(const Scene& scene) {
+    if (!scene.has_alpha_masks()) {
+      *adjacency_ = EdgeAdjacency(scene);
+      return;
+    }
+    Scene opaque;
+    opaque.meshes = scene.meshes;
+    for (Mesh& mesh : opaque.meshes) mesh.casts &= mesh.alpha_mask == nullptr;
+    *adjacency_ = EdgeAdjacency(opaque);
+  }
   /// Those of another light, over the same edges.
   Volumes for_guest() const {
     Volumes guest;

@@ -92,6 +92,12 @@ class WayCounter {
     }
   }
 
+  /// Darkens a lit pixel that a volume beside the counted ones holds. Threads may name different pixels at the same time.
+  void add_volume(std::size_t pixel) {
+    mask_[pixel] = 0;
+    found_[pixel].depth = std::max(found_[pixel].depth, 0) + 1;
+  }
+
   std::span<const PixelCount> found() const { return found_; }
   const CountingWork& work() const { return work_; }
   std::size_t bytes() const { return pyramid_.bytes() + bytes_of(found_, is_undecided_); }

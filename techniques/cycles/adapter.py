@@ -27,6 +27,22 @@ def looking(way, place):
     return basis(right, np.cross(back, right), back, place)
 
 
+def picture_of(mask, words, uv):
+    """Of an alpha mask: bits, height x width, how Blender continues them beyond their borders, and the uv in them. The first row is
+    the lower one for Blender, as v = 0 is. Mirrored bits are twice as many, which repeat: Blender 3.4 mirrors none."""
+    height, width, wraps = mask["height"], mask["width"], (mask["wrap_u"], mask["wrap_v"])
+    if wraps.count("clamp") == 1:
+        raise RuntimeError(f"an alpha mask is continued by {wraps[0]} along u, by {wraps[1]} along v; Blender clamps along both or none")
+    rows = np.asarray(words, "<u4")[mask["first_word"]:][:height * -(-width // 32)].reshape(height, -1)
+    bits = np.unpackbits(np.ascontiguousarray(rows).view(np.uint8), axis=1, bitorder="little")[:, :width]
+    uv = np.array(uv, np.float32)
+    for axis, wrap in enumerate(wraps):
+        if wrap == "mirror":
+            bits = np.concatenate((bits, np.flip(bits, 1 - axis)), 1 - axis)
+            uv[..., axis] /= 2
+    return bits, "EXTEND" if "clamp" in wraps else "REPEAT", uv
+
+
 class Cycles(Technique):
     def setup(self):
         command = ["blender", "-b", "--factory-startup", "-noaudio", "--python", str(Path(__file__).with_name("blender_side.py"))]
@@ -40,8 +56,21 @@ class Cycles(Technique):
         self.scene = scene
         self.corners = scene.corners(casters_only=False).astype(np.float32)
         np.save(Path(self.folder, "corners.npy"), self.corners)
-        meshes = [(mesh.first_triangle, mesh.triangles, mesh.casts) for mesh in scene.meshes]
+        meshes = [(mesh.first_triangle, mesh.triangles, mesh.casts, self.holes(scene, k)) for k, mesh in enumerate(scene.meshes)]
         self.blender.ask(do="build", corners=str(Path(self.folder, "corners.npy")), meshes=meshes)
+
+    def holes(self, scene, k):
+        """Of mesh k with an alpha mask: the files of its bits and of the uv of its triangles' corners, and how the bits go on."""
+        mesh = scene.meshes[k]
+        if not getattr(mesh, "alpha_mask", None) or not mesh.triangles:
+            return None
+        triangles = scene.triangle[mesh.first_triangle:mesh.first_triangle + mesh.triangles]
+        bits, extension, uv = picture_of(mesh.alpha_mask, scene.alpha_mask_bits, scene.uv[triangles])
+        names = f"bits_{mesh.alpha_mask['first_word']}.npy", f"uv_{k}.npy"  # meshes share a mask
+        files = [str(Path(self.folder, name)) for name in names]
+        for file, array in zip(files, (bits, uv)):
+            np.save(file, array)
+        return [*files, extension]
 
     def relight(self, light):
         self.light = light

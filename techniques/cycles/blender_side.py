@@ -33,25 +33,56 @@ class Renderer:
         cycles.sample_clamp_direct = 0
         cycles.pixel_filter_type, cycles.filter_width = "BLACKMAN_HARRIS", 0.01  # rays through the centers of pixels; a box is always a pixel wide
         render.image_settings.file_format, render.image_settings.color_depth = "OPEN_EXR", "32"
-        self.white = bpy.data.materials.new("white")
-        self.white.use_nodes = True
-        nodes = self.white.node_tree.nodes
-        nodes.clear()
-        diffuse, output = nodes.new("ShaderNodeBsdfDiffuse"), nodes.new("ShaderNodeOutputMaterial")
-        diffuse.inputs["Color"].default_value = (1, 1, 1, 1)
-        self.white.node_tree.links.new(diffuse.outputs[0], output.inputs["Surface"])
+        self.white, self.pierced = self.white_material("white"), {}
         self.camera = bpy.data.objects.new("camera", bpy.data.cameras.new("camera"))
         self.scene.collection.objects.link(self.camera)
         self.scene.camera = self.camera
         self.steps = []  # when Blender reported each step of a render
         bpy.app.handlers.render_stats.append(lambda *_: self.steps.append(time.perf_counter()))
 
+    @staticmethod
+    def white_material(name):
+        material = bpy.data.materials.new(name)
+        material.use_nodes = True
+        nodes = material.node_tree.nodes
+        nodes.clear()
+        diffuse, output = nodes.new("ShaderNodeBsdfDiffuse"), nodes.new("ShaderNodeOutputMaterial")
+        diffuse.inputs["Color"].default_value = (1, 1, 1, 1)
+        material.node_tree.links.new(diffuse.outputs[0], output.inputs["Surface"])
+        return material
+
+    def pierced_material(self, file, extension):
+        """White where a bit of a file is set, and not there at all where none is. The pixel that holds a place counts."""
+        if file in self.pierced:
+            return self.pierced[file][0]
+        bits = np.load(file)
+        image = bpy.data.images.new("holes", bits.shape[1], bits.shape[0], is_data=True)
+        image.pixels.foreach_set(np.stack((bits, bits, bits, np.ones_like(bits)), -1).astype(np.float32).ravel())
+        image.update()
+        material = self.white_material("pierced")
+        nodes, links = material.node_tree.nodes, material.node_tree.links
+        diffuse, output = nodes["Diffuse BSDF"], nodes["Material Output"]
+        place, texture, red, hole, mix = (nodes.new("ShaderNode" + kind) for kind in ("UVMap", "TexImage", "SeparateColor", "BsdfTransparent", "MixShader"))
+        place.uv_map, texture.image, texture.interpolation, texture.extension = "holes", image, "Closest", extension
+        for start, end in ((place.outputs["UV"], texture.inputs["Vector"]), (texture.outputs["Color"], red.inputs["Color"]),
+                           (red.outputs["Red"], mix.inputs[0]), (hole.outputs[0], mix.inputs[1]), (diffuse.outputs[0], mix.inputs[2]),
+                           (mix.outputs[0], output.inputs["Surface"])):
+            links.new(start, end)
+        self.pierced[file] = material, image
+        return material
+
     def build(self, corners, meshes):
+        """`meshes`: first triangle, number of triangles, whether it casts, and None or files of bits and uv and how the bits go on."""
         for item in self.objects:
             bpy.data.meshes.remove(item.data)  # and the object with it
-        self.objects = []
+        for material, image in self.pierced.values():
+            bpy.data.materials.remove(material)
+            bpy.data.images.remove(image)
+        self.objects, self.pierced = [], {}
+        if any(holes for *_, holes in meshes):
+            self.scene.cycles.transparent_max_bounces = 256  # a ray goes on behind each hole
         corners = np.load(corners)
-        for first, count, casts in meshes:
+        for first, count, casts, holes in meshes:
             points = corners[first:first + count].reshape(-1, 3)
             if not count:
                 continue
@@ -64,7 +95,12 @@ class Renderer:
             mesh.polygons.foreach_set("loop_start", np.arange(0, 3 * count, 3, dtype=np.int32))
             mesh.polygons.foreach_set("loop_total", np.full(count, 3, np.int32))
             mesh.update(calc_edges=True)
-            mesh.materials.append(self.white)
+            if holes:
+                bits, uv, extension = holes
+                mesh.uv_layers.new(name="holes").data.foreach_set("uv", np.load(uv).astype(np.float32).ravel())
+                mesh.materials.append(self.pierced_material(bits, extension))
+            else:
+                mesh.materials.append(self.white)
             item = bpy.data.objects.new("mesh", mesh)
             item.visible_shadow = casts
             item.cycles.shadow_terminator_offset = item.cycles.shadow_terminator_geometry_offset = 0

@@ -1,9 +1,12 @@
 #pragma once
 #include <gnomon/kit/geometry/casting_triangles.h>
+#include <gnomon/kit/geometry/cut_masks.h>
 #include <gnomon/kit/geometry/sure_sign.h>
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
+#include <span>
 #include <vector>
 
 namespace gnomon::penumbra_wedge {
@@ -12,7 +15,8 @@ namespace gnomon::penumbra_wedge {
 class Casters : public CastingTriangles {
  public:
   Casters() = default;
-  explicit Casters(const Scene& scene) : CastingTriangles(scene), extent_(scene.bounds().extent()) {
+  explicit Casters(const Scene& scene) : Casters(CutMasks(scene)) {}
+  explicit Casters(CutMasks cut) : CastingTriangles(cut.scene()), cut_(std::move(cut)), extent_(scene().bounds().extent()) {
     constexpr std::uint32_t unknown = no_mesh - 1;
     part_mesh_.assign(adjacency().parts().size(), unknown);
     std::uint32_t mesh = 0;
@@ -22,9 +26,28 @@ class Casters : public CastingTriangles {
       if (part != EdgeAdjacency::no_part)
         part_mesh_[part] = part_mesh_[part] == unknown || part_mesh_[part] == mesh ? mesh : no_mesh;
     }
+    find_piece_corners();
   }
 
   double extent() const { return extent_; }
+  /// Whether a triangle never shades a receiver's point; a piece of a mask as the triangle that it was cut out of.
+  bool leaves_out(const NumberedReceiver& receiver, std::uint32_t triangle) const {
+    const std::uint32_t source = cut_.source(triangle);
+    return receiver.leaves_out(scene(), source, adjacency().corners(source).points);
+  }
+  /// Whether both ends of an edge are corners of the receiver's own triangle, or of its pieces.
+  bool is_own_edge(const NumberedReceiver& receiver, std::uint32_t low, std::uint32_t high) const {
+    const auto is_corner = [&](std::uint32_t end) {
+      bool is = false;
+      for (int k = 0; k < 3; ++k) is |= vertex(receiver.first_own, k) == end;
+      return is;
+    };
+    if (is_corner(low) && is_corner(high)) return true;
+    if (!cut_.is_cut()) return false;
+    const auto [first, last] = cut_.pieces_of(receiver.first_own);
+    const auto corners = std::span(piece_corners_).subspan(3 * (first - cut_.first_piece()), 3 * (last - first));
+    return std::ranges::binary_search(corners, low) && std::ranges::binary_search(corners, high);
+  }
   /// The mesh whose triangles a part consists of; no_mesh where it has those of several.
   std::uint32_t mesh_of_part(std::uint32_t part) const { return part_mesh_[part]; }
 
@@ -51,7 +74,7 @@ class Casters : public CastingTriangles {
     if (is_unsure && !(any && sum != 0)) return std::nullopt;
     return any && sum != 0 ? 1 : sum;
   }
-  std::size_t bytes() const { return CastingTriangles::bytes() + bytes_of(part_mesh_); }
+  std::size_t bytes() const { return CastingTriangles::bytes() + bytes_of(part_mesh_, piece_corners_) + cut_.bytes(); }
 
  private:
   enum class Crossed { no, yes, unsure };
@@ -70,7 +93,7 @@ class Casters : public CastingTriangles {
     const double sum = uv + vw + wu;
     if (side != 0 && ab + bc + ca != 0 && (side * (ab + bc + ca) < 0 || std::abs(volume) >= std::abs(sum) * (1 - 0x1p-40)))
       return Crossed::no;
-    if (receiver.leaves_out(scene(), triangle, corners.points) || is_beside(receiver, triangle, volume)) return Crossed::no;
+    if (leaves_out(receiver, triangle) || is_beside(receiver, triangle, volume)) return Crossed::no;
     // A plane through the point is seen edge-on.
     if (side == 0 && orient3d_sign(corners.points[0], corners.points[1], corners.points[2], receiver.point) == 0)
       return Crossed::no;
@@ -79,16 +102,38 @@ class Casters : public CastingTriangles {
   /// Whether rounding alone tells the receiver's point from a triangle beside its own.
   bool is_beside(const NumberedReceiver& receiver, std::uint32_t triangle, double volume) const {
     if (!receiver.has_triangle()) return false;
-    bool is_neighbor = false;
-    for (int k = 0; k < 3; ++k)
-      for (int j = 0; j < 3; ++j) is_neighbor |= vertex(triangle, k) == vertex(receiver.first_own, j);
-    if (!is_neighbor) return false;
+    if (!are_neighbors(triangle, receiver.first_own)) return false;
     const double height = std::abs(volume) / glm::length(adjacency().corners(triangle).normal());
     return height <= 0x1p-21 * (gnomon::extent(receiver.point) + gnomon::extent(position(vertex(triangle, 0))));
   }
 
+  /// Whether two triangles share a corner; pieces as those that they were cut out of, which have no vertices in common with
+  /// casters any more.
+  bool are_neighbors(std::uint32_t triangle, std::uint32_t own) const {
+    bool are = false;
+    for (int k = 0; k < 3; ++k)
+      for (int j = 0; j < 3; ++j) are |= vertex(triangle, k) == vertex(own, j);
+    if (!cut_.is_cut() || are) return are;
+    const Triangle one = adjacency().corners(cut_.source(triangle)), other = adjacency().corners(own);
+    for (const glm::vec3& a : one.points)
+      for (const glm::vec3& b : other.points) are |= a == b;
+    return are;
+  }
+  void find_piece_corners() {
+    const auto first = cut_.first_piece(), end = first + static_cast<std::uint32_t>(cut_.piece_count());
+    for (std::uint32_t piece = first; piece < end; ++piece)
+      for (int k = 0; k < 3; ++k) piece_corners_.push_back(vertex(piece, k));
+    for (std::uint32_t piece = first; piece < end;) {
+      const auto next = cut_.pieces_of(cut_.source(piece)).second;
+      std::ranges::sort(std::span(piece_corners_).subspan(3 * (piece - first), 3 * (next - piece)));
+      piece = next;
+    }
+  }
+
+  CutMasks cut_;
   double extent_ = 0;
   std::vector<std::uint32_t> part_mesh_;
+  std::vector<std::uint32_t> piece_corners_;  ///< vertices of all pieces; those of the pieces of one triangle are sorted
 };
 
 }  // namespace gnomon::penumbra_wedge

@@ -80,16 +80,11 @@ bool PointQuery::try_base(const NumberedReceiver& receiver, const LightFigure& f
 
 bool PointQuery::add_wedges(const NumberedReceiver& receiver) {
   const glm::dvec3 p(receiver.point);
-  const auto is_own = [&](std::uint32_t vertex) {
-    bool is = false;
-    for (int k = 0; k < 3; ++k) is |= casters_->vertex(receiver.first_own, k) == vertex;
-    return is;
-  };
   bool is_sure = true;
   for (const std::uint32_t number : held_) {
     const Wedge& wedge = outline_->wedges.all()[number];
     // Edges of the own triangle lie on the horizon, and bodies left out whole have none.
-    if (receiver.has_triangle() ? is_own(wedge.low) && is_own(wedge.high)
+    if (receiver.has_triangle() ? casters_->is_own_edge(receiver, wedge.low, wedge.high)
                                 : receiver.own_count > 0 && casters_->mesh_of_part(wedge.part) == receiver.mesh)
       continue;
     is_sure &= coverage_.add_edge(coverage_.project(glm::dvec3(casters_->position(wedge.low)) - p),
@@ -101,7 +96,7 @@ bool PointQuery::add_wedges(const NumberedReceiver& receiver) {
 bool PointQuery::add_crossing(const NumberedReceiver& receiver) {
   bool is_sure = true;
   for (const std::uint32_t triangle : outline_->crossing) {
-    if (receiver.leaves_out(casters_->scene(), triangle, casters_->adjacency().corners(triangle).points)) continue;
+    if (casters_->leaves_out(receiver, triangle)) continue;
     Coverage::Projected corners[3];
     bool is_swapped[3];
     for (int k = 0; k < 3; ++k) {

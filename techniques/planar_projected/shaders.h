@@ -35,6 +35,9 @@ void main() {
   vec4 image = projected * vec4(position, 1);
   float w = abs(image.w) < least_share ? least_share : image.w;
   gl_Position = place(vec4(image.xyz / w, 1));
+#ifdef MASKED
+  hand_on_mask();
+#endif
 }
 )";
 
@@ -42,7 +45,12 @@ void main() {
 inline constexpr std::string_view shadow_fragment = R"(
 uniform float darkened;
 layout(location = 0) out float visibility;
-void main() { visibility = darkened; }
+void main() {
+#ifdef MASKED
+  if (in_hole()) discard;
+#endif
+  visibility = darkened;
+}
 )";
 
 }  // namespace planar_projected

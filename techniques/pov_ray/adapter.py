@@ -6,6 +6,7 @@ The time of a resolve is what POV-Ray says that it traced for; reading the scene
 import numpy as np
 from gnomon_engine import FramePairs, pair_of, require_version, version_of
 from gnomon_technique import Technique, serve
+from pov_holes import Holes
 from pov_scene import SETTINGS, camera, grid_points, light_source, meshes_text, render
 
 
@@ -20,6 +21,9 @@ class PovRay(Technique):
         self.scene = scene
         self.corners = scene.corners(casters_only=False)
         self.meshes = [vars(mesh) for mesh in scene.meshes]
+        has_holes = any(mesh.get("alpha_mask") for mesh in self.meshes)
+        self.uv = scene.uv[scene.triangle].astype(float) if has_holes else None
+        self.words = np.array(scene.alpha_mask_bits) if has_holes else None
         self.texts = {}
 
     def relight(self, light):
@@ -28,7 +32,8 @@ class PovRay(Technique):
     def run(self, gbuffer, shadows):
         curved = gbuffer.truth == "shape"
         if curved not in self.texts:
-            self.texts[curved] = meshes_text(self.meshes, self.corners, curved)
+            holes = None if self.uv is None else Holes(self.words, self.uv, self.folder)
+            self.texts[curved] = meshes_text(self.meshes, self.corners, curved, holes)
         text = SETTINGS + camera(vars(gbuffer.view), gbuffer.width, gbuffer.height)
         if len(self.corners):
             text += light_source(vars(self.light), self.corners, self.settings.grid, shadows) + self.texts[curved]

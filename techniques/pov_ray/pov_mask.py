@@ -3,7 +3,7 @@
 usage: python3 pov_mask.py FOLDER LIGHT MASK.pgm
 FOLDER is what `gnomon export --out` wrote, LIGHT the name of a point, spot or directional light in it. The mask is white where POV-Ray
 sees light, black in shadow, on surfaces turned away and on the background. Prints the seconds that POV-Ray took.
-Needs numpy and POV-Ray 3.7 (Debian: python3-numpy, povray), and pov_scene.py beside it.
+Needs numpy and POV-Ray 3.7 (Debian: python3-numpy, povray), and pov_scene.py and pov_holes.py beside it.
 """
 
 import json
@@ -13,6 +13,7 @@ import tempfile
 from pathlib import Path
 
 import numpy as np
+from pov_holes import Holes
 from pov_scene import SETTINGS, camera, light_source, meshes_text, render
 
 
@@ -24,9 +25,10 @@ def main(folder, name, mask):
     arrays = {name: np.load(folder / array["file"]) for name, array in scene["arrays"].items()}
     corners = arrays["position"].astype(float)[arrays["triangle"]]
     width, height = frame["width"], frame["height"]
-    text = (SETTINGS + camera(frame["view"], width, height) + light_source(light, corners) +
-            meshes_text(scene["meshes"], corners, frame["truth"] == "shape"))
     with tempfile.TemporaryDirectory() as place:
+        holes = Holes(arrays["alpha_mask_bits"], arrays["uv"][arrays["triangle"]], place) if "uv" in arrays else None
+        text = (SETTINGS + camera(frame["view"], width, height) + light_source(light, corners) +
+                meshes_text(scene["meshes"], corners, frame["truth"] == "shape", holes))
         lit = render(text, width, height, place, os.cpu_count())
     mask.write_bytes(b"P5 %d %d 255\n" % (width, height) + np.where(lit.picture >= 0.5, 255, 0).astype("u1").tobytes())
     print(f"{lit.trace_ms / 1000:.2f} s")

@@ -10,6 +10,7 @@ from collections import namedtuple
 from pathlib import Path
 
 import numpy as np
+from pov_holes import SETTINGS as HOLES
 
 SCALE = 100  # POV-Ray ignores casters nearer than 1e-3 of its units to the lit point: 10 micrometers, where a meter is 100 units
 SETTINGS = """#version 3.7;
@@ -89,20 +90,23 @@ def curved_text(shape):
     return None
 
 
-def mesh_text(mesh, corners, curved):
-    """Loose triangles, because POV-Ray keeps them in double, but those of a mesh2 in float."""
+def mesh_text(mesh, corners, curved, holes=None):
+    """Loose triangles, because POV-Ray keeps them in double, but those of a mesh2 in float. `holes`: a pov_holes.Holes for meshes with
+    an alpha mask."""
     end = " }\n" if mesh["casts"] else " no_shadow }\n"
     shape = curved_text(mesh["shape"]) if curved and mesh["shape"] else None
     if shape:
         return shape + end
     first = mesh["first_triangle"]
     some = SCALE * corners[first:first + mesh["triangles"]]
+    if mesh.get("alpha_mask"):
+        return holes.triangles(mesh, some, vector, end)
     some = some[np.linalg.norm(np.cross(some[:, 1] - some[:, 0], some[:, 2] - some[:, 0]), axis=-1) > 0]  # it warns of others
     return "".join("triangle { " + ", ".join(map(vector, t)) + end for t in some)
 
 
-def meshes_text(meshes, corners, curved):
-    return "".join(mesh_text(mesh, corners, curved) for mesh in meshes)
+def meshes_text(meshes, corners, curved, holes=None):
+    return (HOLES if holes else "") + "".join(mesh_text(mesh, corners, curved, holes) for mesh in meshes)
 
 
 def pixels_of(picture, width, height, asked):

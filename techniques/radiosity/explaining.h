@@ -1,5 +1,6 @@
 #pragma once
 #include <gnomon/kit/area/area_rays.h>
+#include <gnomon/kit/geometry/holes.h>
 #include <gnomon/technique.h>
 
 #include <algorithm>
@@ -65,11 +66,17 @@ struct Explainer {
       // Both ends are lifted by the same, or the element itself would lie between one near the origin and one that is not.
       const float largest = static_cast<float>(std::max(extent(point), extent(node.point)));
       const glm::dvec3 from = point + ray_offset(glm::vec3(largest)) * normal;
-      is_crossed = is_crossed || !surfaces.all->met(from, node.point - point).empty();
+      is_crossed = is_crossed || is_blocked(from, node.point - point);
     }
     const double between = share(exact);
     if (std::abs(answer - between) > std::abs(between - of_point)) return uses_hemicube ? "hemicube_aliasing" : "few_rays";
     return is_crossed ? "crossed_patch" : "interpolated";
+  }
+  /// Whether a surface is solid between a point and another one.
+  bool is_blocked(const glm::dvec3& from, const glm::dvec3& way) const {
+    return std::ranges::any_of(surfaces.all->met(from, way), [&](const RayScene::Met& met) {
+      return is_solid_along(surfaces.scene->meshes[met.mesh], met.triangle, from, way);
+    });
   }
   /// Of the whole lamp, by many rays.
   Factor lamp_at(const Receiving& at) const {

@@ -264,8 +264,8 @@ void Lighting::start_refinement() {
   for (const std::uint32_t e : cells_) {
     const Element& element = division_.elements()[e];
     for (const std::uint32_t side : {0u, 1u})
-      shares[2 * element.patch + side] +=
-          received_[2 * element.center + side].seen * exitance_ * division_.area(element) / flux;
+      shares[2 * element.patch + side] += received_[2 * element.center + side].seen * exitance_ * division_.area(element) /
+                                          flux * surfaces_.solid_share(element.patch);
   }
   refinement_.emplace(std::move(sides));
   refinement_->emit(glm::dvec3(flux), shares, escaped / flux);
@@ -306,7 +306,7 @@ double Lighting::look(std::uint32_t i, std::span<double> shares) {
   gather(sender, false, seed, [&](std::uint32_t place, double, double seen) {
     looked_[place] += seen;
     if (const std::uint32_t p = cell_at_[place / 2]; p != none)
-      shares[2 * p + place % 2] += seen * division_.area(division_.elements()[p]) / sender.area;
+      shares[2 * p + place % 2] += seen * division_.area(division_.elements()[p]) / sender.area * surfaces_.solid_share(p);
   });
   return escaped_share(sender, false, 1, seed);
 }

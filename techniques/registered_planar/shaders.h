@@ -25,7 +25,12 @@ float weight_here() {
 inline const std::string add_fragment = std::string(weight_snippet) + R"(
 uniform vec2 adds;
 layout(location = 0) out vec2 sums;
-void main() { sums = adds * weight_here(); }
+void main() {
+#ifdef MASKED
+  if (in_hole()) discard;
+#endif
+  sums = adds * weight_here();
+}
 )";
 
 /// Of each sheet: its corner and how many points of the light are on its side, 0 where green has their sum; texels a meter

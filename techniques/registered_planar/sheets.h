@@ -46,7 +46,7 @@ inline constexpr std::size_t most_waiting = 1 << 16;
 class SheetPainter {
  public:
   void setup() {
-    add_program_ = Program("registered_planar casters", projection_vertex, add_fragment);
+    add_programs_ = CasterPrograms("registered_planar casters", projection_vertex, add_fragment);
     all_program_ = Program("registered_planar weights", full_screen_vertex, add_fragment);
     look_up_program_ = pass_program("registered_planar look-up", look_up_constants, look_up_fragment);
     framebuffer_ = make_framebuffer();
@@ -54,6 +54,7 @@ class SheetPainter {
   void build(const Scene& scene, double min_share) {
     scene_ = &scene;
     scene_buffers(scene);
+    add_programs_.fit(scene);
     lookup_.build(scene, min_share);
     extent_ = scene.bounds().extent();
     bounds_.clear();
@@ -174,13 +175,15 @@ class SheetPainter {
   // each point nearer than the one before, so that the first triangle leaves its depth and the others fail.
   void draw_points(const LitSheets& lit, const Sheet& sheet, std::span<const glm::vec3> points, Sums& sums) const {
     const auto* const sphere = has_far_side(lit.light) ? std::get_if<SphereLight>(&lit.light.kind) : nullptr;
-    for (const Program* const program : {&add_program_, &all_program_}) {
-      program->set("corner", glm::vec3(sheet.corner));
-      program->set("step_x", glm::vec3(sheet.x / double(lit.resolution)));
-      program->set("step_y", glm::vec3(sheet.y / double(lit.resolution)));
-      program->set("sphere", sphere ? glm::vec4(sphere->center, 1 / sphere->radius) : glm::vec4(0));
-      program->set("adds", program == &add_program_ ? glm::vec2(1, 0) : glm::vec2(0, 1));
-    }
+    const auto prepare = [&](const auto& program, const glm::vec2& adds) {
+      program.set("corner", glm::vec3(sheet.corner));
+      program.set("step_x", glm::vec3(sheet.x / double(lit.resolution)));
+      program.set("step_y", glm::vec3(sheet.y / double(lit.resolution)));
+      program.set("sphere", sphere ? glm::vec4(sphere->center, 1 / sphere->radius) : glm::vec4(0));
+      program.set("adds", adds);
+    };
+    prepare(add_programs_, {1, 0});
+    prepare(all_program_, {0, 1});
     std::size_t waiting = 0;
     for (std::size_t k = 0; k < points.size(); ++k) {
       if (!is_before(sheet.plane, points[k])) continue;
@@ -226,8 +229,7 @@ class SheetPainter {
     };
     const glm::dmat4 texture_from_world =
         glm::transpose(glm::dmat4(row(sheet.x, 1), row(sheet.y, -1), glm::dvec4(0, 0, 0, 0.5), glm::dvec4(0, 0, 0, 1)));
-    const Program& p = add_program_;
-    glUseProgram(p.name());
+    const CasterPrograms& p = add_programs_;
     p.set("clip_from_world", glm::mat4(texture_from_world * projection.projected));
     p.set("plane", glm::vec4(sheet.plane));
     p.set("tolerance", static_cast<float>(clip_tolerance_));
@@ -236,13 +238,14 @@ class SheetPainter {
     p.set("least_share", static_cast<float>(0x1p-22 + clip_tolerance_ * projection.per_light_height));
     p.set("light_point", point);
     const SceneBuffers& buffers = scene_buffers(*scene_);
-    buffers.draw(casters);
+    buffers.draw(casters, p);
     std::size_t triangles = 0;
     for (const std::uint32_t m : casters) triangles += buffers.meshes[m].triangle_count;
     return triangles;
   }
 
-  Program add_program_, all_program_, look_up_program_;
+  CasterPrograms add_programs_;
+  Program all_program_, look_up_program_;
   Framebuffer framebuffer_;
   const Scene* scene_ = nullptr;
   PlaneLookup lookup_;

@@ -1,4 +1,5 @@
 #pragma once
+#include <gnomon/gbuffer.h>
 #include <gnomon/kit/geometry/exact.h>
 
 #include <algorithm>
@@ -30,7 +31,7 @@ inline unsigned bits(FourFlags flags) {
 /// A casting triangle, its corners counter-clockwise seen from the light once it is in the tree.
 struct Caster {
   glm::vec3 points[3];
-  std::uint32_t mesh;
+  std::uint32_t mesh;      ///< no_mesh where it has holes: it never makes another triangle needless
   std::uint32_t triangle;  ///< counted over the scene
   float steepness = 0;     ///< see Wedges; set with the order of the corners
 };
@@ -213,7 +214,8 @@ inline Way way_of(const Caster& caster, const Caster& other, const Planes& plane
         lowest = std::min(lowest, sign);
         highest = std::max(highest, sign);
       }
-      if (k == 3 && lowest == 0 && highest == 0) return caster.mesh == other.mesh ? no_way : before_cap;
+      if (k == 3 && lowest == 0 && highest == 0)
+        return caster.mesh == other.mesh && other.mesh != no_mesh ? no_way : before_cap;
       is_out = lowest < 0 && highest <= 0;
       is_crossing = lowest < 0 && highest > 0;
     }

@@ -1,4 +1,5 @@
 #pragma once
+#include <gnomon/kit/geometry/holes.h>
 #include <gnomon/kit/geometry/receiver.h>
 #include <gnomon/kit/parallel.h>
 
@@ -108,12 +109,14 @@ class Tree {
 
   /// To start queries with.
   QueryWork make_work() const { return {.stack = std::vector<std::uint32_t>(longest_stack() + 1), .signs = {}}; }
-  /// The first caster found that shades the point, counted over the scene, or `none`.
+  /// The first caster found that shades the point, counted over the scene, or `none`. `numbers` are those of the scene where
+  /// a caster has holes.
   ///
   /// A query of a point on a shadow plane visits both sides: the point is then shaded through an edge or vertex. A caster
   /// shades neither a point on its capping plane nor one before it. It shades a point behind that plane, and the query ends,
-  /// unless the caster is the point's own: then all of the caster's trees remain.
-  std::uint32_t shading_triangle(const Scene& scene, const NumberedReceiver& receiver, QueryWork& work) const {
+  /// unless the caster is the point's own or the way goes through a hole of it: then all of the caster's trees remain.
+  std::uint32_t shading_triangle(const Scene& scene, const NumberedReceiver& receiver, QueryWork& work,
+                                 const TriangleNumbers& numbers = {}) const {
     ++work.queries;
     if (grown_.used == 0) return none;
     const glm::vec3 p(glm::dvec3(receiver.point) - glm::dvec3(frame_.center));
@@ -153,7 +156,8 @@ class Tree {
           is_behind = outside >> 3 & 1;
           if (!is_behind && !(inside >> 3 & 1))
             is_behind = exact_sign(casters_[0][place], 3, receiver.point, frame_, work.signs) < 0;
-          if (is_behind && !receiver.is_coplanar(scene, casters_[0][place].points)) {
+          if (is_behind && !receiver.is_coplanar(scene, casters_[0][place].points) &&
+              is_solid(scene, numbers, casters_[0][place], receiver.point)) {
             found = group.triangle;
             break;
           }
@@ -175,6 +179,13 @@ class Tree {
   std::size_t bytes() const { return bytes_of(groups_, ways_, nearest_, stack_, casters_[0], casters_[1]); }
 
  private:
+  /// Where the way from a point to the light crosses a caster.
+  bool is_solid(const Scene& scene, const TriangleNumbers& numbers, const Caster& caster, const glm::vec3& point) const {
+    if (caster.mesh != no_mesh) return true;
+    const std::uint32_t mesh = numbers.mesh_of(caster.triangle);
+    return is_solid_at(scene.meshes[mesh], caster.triangle - numbers.first_of(mesh), {point, frame_.light});
+  }
+
   struct Link {
     float nearest;        ///< no point nearer to the light is in shadow there; not a number where there is no tree
     std::uint32_t group;  ///< its root

@@ -71,7 +71,7 @@ struct Casters::Builder {
   }
 };
 
-Casters::Casters(const Scene& scene) : CastingTriangles(scene) {
+Casters::Casters(CutMasks cut) : CastingTriangles(cut.scene()), cut_(std::move(cut)) {
   find_planes();
   add_edges();
 }
@@ -80,7 +80,7 @@ void Casters::find_planes() {
   planes_.resize(adjacency().triangles().size());
   for_blocks(planes_.size(), 8192, [&](std::size_t begin, std::size_t end) {
     for (std::size_t t = begin; t < end; ++t) {
-      const Triangle corners = adjacency().corners(t);
+      const Triangle corners = adjacency().corners(cut_.source(static_cast<std::uint32_t>(t)));
       const glm::dvec3 a = corners.points[0], u = glm::dvec3(corners.points[1]) - a, v = glm::dvec3(corners.points[2]) - a;
       const glm::dvec3 normal = glm::cross(u, v);
       const double length = glm::length(normal);
@@ -103,7 +103,8 @@ void Casters::add_edges() {
     // Two triangles in one plane that continue each other face alike for every point, and one is left out with the other.
     if (mesh_of(edge.first) == mesh_of(edge.second)) {
       const bool continues = glm::dot(glm::dvec3(planes_[edge.first]), glm::dvec3(planes_[edge.second])) > 0.5;
-      if (continues && coplanar(adjacency().corners(edge.first), adjacency().corners(edge.second).points)) continue;
+      const std::uint32_t first = cut_.source(edge.first), second = cut_.source(edge.second);
+      if (continues && coplanar(adjacency().corners(first), adjacency().corners(second).points)) continue;
       builder.edges.push_back({edge.low, edge.high, edge.first, edge.second});
       continue;
     }
@@ -189,7 +190,8 @@ std::size_t Casters::narrow_edges(const Beam& beam, const Bounds& points, std::s
   return regular;
 }
 
-int Casters::facing(const NumberedReceiver& receiver, std::uint32_t triangle, CoplanarCache& cache) const {
+int Casters::facing(const NumberedReceiver& receiver, std::uint32_t number, CoplanarCache& cache) const {
+  const std::uint32_t triangle = cut_.source(number);
   const glm::dvec4& plane = planes_[triangle];
   const double height = glm::dot(glm::dvec3(plane), glm::dvec3(receiver.point)) + plane.w,
                scale = extent(receiver.point) + std::abs(plane.w);

@@ -1,5 +1,6 @@
 #pragma once
 #include <gnomon/kit/geometry/casting_triangles.h>
+#include <gnomon/kit/geometry/cut_masks.h>
 
 namespace gnomon::soft_volume {
 
@@ -32,11 +33,13 @@ struct CasterEdge {
 };
 
 /// The casting triangles of a scene with their planes, and their edges in a tree whose nodes store which way the triangles at
-/// their edges face.
+/// their edges face. A piece of a mask has its own edges, and the plane of the triangle that it was cut out of: so edges
+/// between two pieces of a triangle are no silhouette edges for any point.
 class Casters : public CastingTriangles {
  public:
   Casters() = default;
-  explicit Casters(const Scene& scene);
+  explicit Casters(const Scene& scene) : Casters(CutMasks(scene)) {}
+  explicit Casters(CutMasks cut);
 
   /// Edges that a beam meets and that may be silhouette edges for a point in `from`, the beam's box of points. Numbers of
   /// `edge`; regular ones first. Says how many of these.
@@ -61,7 +64,7 @@ class Casters : public CastingTriangles {
   /// is too thin for double.
   const glm::dvec4& plane(std::uint32_t triangle) const { return planes_[triangle]; }
   std::size_t bytes() const {
-    return CastingTriangles::bytes() + irregular_tree_.bytes() + bytes_of(planes_, edges_, sides_, nodes_);
+    return CastingTriangles::bytes() + irregular_tree_.bytes() + bytes_of(planes_, edges_, sides_, nodes_) + cut_.bytes();
   }
 
  private:
@@ -87,6 +90,7 @@ class Casters : public CastingTriangles {
   void find_planes();
   Way crosses(const NumberedReceiver& receiver, std::uint32_t triangle, const glm::dvec3& to, CoplanarCache& cache) const;
 
+  CutMasks cut_;
   std::vector<glm::dvec4> planes_;
   std::vector<CasterEdge> edges_;  // regular ones in the order of the tree, then the others in that of the adjacency
   std::uint32_t regular_count_ = 0;

@@ -1,5 +1,5 @@
 #pragma once
-#include <gnomon/kit/bytes.h>
+#include <gnomon/kit/geometry/cut_masks.h>
 #include <gnomon/kit/parallel.h>
 
 #include <functional>
@@ -17,9 +17,12 @@ struct SceneTriangle : Triangle {
 struct Facing {
   std::span<const SceneTriangle> triangles;
   std::span<const std::int8_t> signs;  ///< orient3d_sign of the corners and the light; 0 edge-on
+  const CutMasks* masks = nullptr;     ///< of the scene; null where none is cut
 
+  /// A piece of a mask has the plane of the triangle that it was cut out of, so that all pieces are in one plane.
   ClipPlane plane(const ProjectedSpace& space, int face, std::uint32_t triangle) const {
-    return space.plane(face, triangles[triangle].points, signs[triangle]);
+    const std::uint32_t source = masks ? masks->source(triangle) : triangle;
+    return space.plane(face, triangles[source].points, signs[source]);
   }
 };
 

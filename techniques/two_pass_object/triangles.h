@@ -1,5 +1,6 @@
 #pragma once
 #include <gnomon/kit/bases/point_technique.h>
+#include <gnomon/kit/geometry/cut_masks.h>
 
 #include "scene_light_space.h"
 
@@ -21,15 +22,17 @@ struct RawPlane {
   }
 };
 
-/// The triangles of a scene, mesh after mesh, and how they are turned to the light.
+/// The triangles of a scene, mesh after mesh, and how they are turned to the light. A piece of a mask has its own edges, and
+/// the plane of the triangle that it was cut out of.
 class Triangles {
  public:
   static constexpr std::uint8_t casts = 1, receives = 2, doubtful = 4;
 
-  void build(const Scene& scene) {
+  void build(CutMasks cut) {
     flags_.clear();
     facing_.clear();
-    *built_ = {&scene, TriangleNumbers(scene), scene.bounds(), {}, {}};
+    const Scene& scene = cut.scene();
+    *built_ = {std::move(cut), TriangleNumbers(scene), scene.bounds(), {}, {}};
     built_->corners.reserve(scene.triangle_count());
     built_->flags.reserve(scene.triangle_count());
     for_triangles(scene, [&](const glm::vec3& a, const glm::vec3& b, const glm::vec3& c, std::uint32_t m, std::uint32_t) {
@@ -50,15 +53,21 @@ class Triangles {
     find_facing(built_->corners, light, facing_);
     flags_ = built_->flags;
     for_blocks(built_->corners.size(), 8192, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i)
-        if (facing_[i] != 0 && is_doubtful(static_cast<std::uint32_t>(i))) flags_[i] |= doubtful;
+      for (std::size_t k = begin; k < end; ++k) {
+        const auto i = static_cast<std::uint32_t>(k);
+        if (facing_[source(i)] == 0) flags_[i] &= static_cast<std::uint8_t>(~casts);
+        if (facing_[i] != 0 && is_doubtful(i)) flags_[i] |= doubtful;
+      }
     });
   }
 
   std::size_t size() const { return built_->corners.size(); }
   const Triangle& operator[](std::uint32_t i) const { return built_->corners[i]; }
   const SceneLightSpace& space() const { return space_; }
+  const Scene& scene() const { return built_->cut.scene(); }
   const TriangleNumbers& numbers() const { return built_->numbers; }
+  /// As CutMasks::source.
+  std::uint32_t source(std::uint32_t i) const { return built_->cut.source(i); }
   bool is(std::uint32_t i, std::uint8_t flag) const { return (flags_[i] & flag) != 0; }
   /// Edge-on triangles neither cast nor receive.
   bool takes_part(std::uint32_t i) const { return facing_[i] != 0 && (flags_[i] & (casts | receives)) != 0; }
@@ -78,21 +87,24 @@ class Triangles {
 
   /// The triangle's own plane: positive beyond it, as the light sees it.
   RawPlane cap(std::uint32_t i) const {
-    return {-static_cast<double>(facing_[i]) * (*this)[i].normal(), glm::dvec3((*this)[i].points[0])};
+    const Triangle& own = (*this)[source(i)];
+    return {-static_cast<double>(facing_[source(i)]) * own.normal(), glm::dvec3(own.points[0])};
   }
 
   /// Whether a triangle shades a point: exactly, as the oracle computes it.
   bool shades(std::uint32_t caster, const NumberedReceiver& receiver) const {
-    return !receiver.is_own(caster) && crosses({receiver.point, space_.light()}, built_->corners[caster]) != Crossing::none &&
-           !receiver.is_coplanar(*built_->scene, built_->corners[caster].points);
+    const std::uint32_t whole = source(caster);
+    return !receiver.is_own(whole) && crosses({receiver.point, space_.light()}, built_->corners[caster]) != Crossing::none &&
+           !receiver.is_coplanar(scene(), built_->corners[whole].points);
   }
   bool are_coplanar(std::uint32_t one, std::uint32_t other) const {
-    return coplanar(built_->corners[one], built_->corners[other].points);
+    return coplanar(built_->corners[source(one)], built_->corners[source(other)].points);
   }
 
   std::size_t bytes() const {
-    return bytes_of(flags_, facing_) + static_cast<std::size_t>(built_.own(static_cast<double>(
-                                           bytes_of(built_->corners, built_->flags) + built_->numbers.bytes())));
+    return bytes_of(flags_, facing_) +
+           static_cast<std::size_t>(built_.own(
+               static_cast<double>(bytes_of(built_->corners, built_->flags) + built_->numbers.bytes() + built_->cut.bytes())));
   }
 
  private:
@@ -105,6 +117,8 @@ class Triangles {
     const glm::dvec3 a(p[0]), b(p[1]), c(p[2]), l(space_.light()), reach(space_.doubt());
     const double limit = 0.25 * space_.doubt(), e = 0x1p-50 * space_.diagonal();
     const auto is_off = [&](const RawPlane& plane, double size) { return !(e * size < limit * glm::length(plane.normal)); };
+    const glm::vec3* const whole = (*this)[source(i)].points;
+    const glm::dvec3 corner(whole[0]);
     if (!space_.is_parallel() && !cap(i).is_outside(l, space_.doubt()) &&
         glm::all(glm::lessThanEqual(glm::min(a, glm::min(b, c)) - reach, l)) &&
         glm::all(glm::greaterThanEqual(glm::max(a, glm::max(b, c)) + reach, l)))
@@ -114,11 +128,11 @@ class Triangles {
       const double of_from = space_.is_parallel() ? glm::distance(from, to) : glm::distance(l, from);
       if (is_off(side(i, k), of_from * (space_.is_parallel() ? glm::length(l) : glm::distance(l, to)))) return true;
     }
-    return is_off(cap(i), glm::distance(a, b) * glm::distance(a, c));
+    return is_off(cap(i), glm::distance(corner, glm::dvec3(whole[1])) * glm::distance(corner, glm::dvec3(whole[2])));
   }
 
   struct Built {
-    const Scene* scene = nullptr;
+    CutMasks cut;
     TriangleNumbers numbers;
     Bounds bounds;
     std::vector<Triangle> corners;

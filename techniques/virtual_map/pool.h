@@ -36,10 +36,13 @@ class PageDrawer {
  public:
   /// Compiles; needs the context.
   void setup() {
-    programs_[0] = Program("virtual_map pages", "#define PARALLEL\n" + page_vertex, "void main() {}");
-    programs_[1] = Program("virtual_map pages", page_vertex, "void main() {}");
+    programs_[0] = CasterPrograms("virtual_map pages", "#define PARALLEL\n" + page_vertex, depth_fragment);
+    programs_[1] = CasterPrograms("virtual_map pages", page_vertex, depth_fragment);
     framebuffer_ = make_framebuffer();
     vertex_array_ = make_vertex_array();
+  }
+  void build(const Scene& scene) {
+    for (CasterPrograms& programs : programs_) programs.fit(scene);
   }
   /// The pages of a table, by their lists, into `pool`, which becomes D32F of the layout's size.
   void draw(const SceneBuffers& buffers, const LightCamera& camera, const PageTable& table, const DrawLists& lists,
@@ -47,7 +50,10 @@ class PageDrawer {
     const int size = layout.page_size;
     pool.fit(GL_DEPTH_COMPONENT32F, PoolLayout::width, layout.rows * size, layout.layers);
     bind_vertices(buffers, table, lists, size);
-    const Program& program = programs_[camera.space.is_parallel() ? 0 : 1];
+    const CasterPrograms& programs = programs_[camera.space.is_parallel() ? 0 : 1];
+    // Lists hold triangles with holes and without.
+    const Program& program = buffers.masks ? programs.masked() : programs.solid();
+    buffers.bind_masks();
     const GLuint framebuffer = framebuffer_.name();
     glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
     glUseProgram(program.name());
@@ -101,6 +107,7 @@ class PageDrawer {
       glVertexArrayAttribBinding(vao, k, k);
       glEnableVertexArrayAttrib(vao, k);
     }
+    add_mask_attributes(vertex_array_, buffers);
     glVertexArrayElementBuffer(vao, corners_.name());
     glBindVertexArray(vao);
   }
@@ -113,7 +120,7 @@ class PageDrawer {
     program.set("image", glm::vec4(image.near, image.far, image.offset));
   }
 
-  Program programs_[2];  // parallel rays, rays from a center
+  CasterPrograms programs_[2];  // parallel rays, rays from a center
   Framebuffer framebuffer_;
   VertexArray vertex_array_;
   RewrittenBuffer corners_, placements_;

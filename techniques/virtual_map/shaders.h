@@ -33,6 +33,9 @@ void main() {
   precise vec2 place = h.xy * page.x - page.yz * h.z;
   gl_Position = vec4(place.x, -place.y, image.x, h.z);
 #endif
+#ifdef MASKED
+  hand_on_mask();
+#endif
 }
 )";
 

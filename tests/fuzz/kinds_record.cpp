@@ -26,6 +26,15 @@ Scene small_scene() {
   return scene;
 }
 
+Scene masked_scene() {
+  Scene scene = small_scene();
+  Mesh& mesh = scene.meshes[0];
+  const std::vector<std::uint8_t> alpha = {0, 255, 90, 255, 0, 130};
+  mesh.alpha_mask = std::make_shared<const AlphaMask>(3, 2, alpha, 0.9f, 0.5f, AlphaMask::Wrap::mirror, AlphaMask::Wrap::clamp);
+  mesh.uv.resize(mesh.positions.size(), glm::vec2(0.25f, 1.5f));
+  return scene;
+}
+
 std::string small_answer() {
   importing::MeshFile file;
   importing::ImportedMesh& mesh = file.meshes.emplace_back();
@@ -129,6 +138,7 @@ std::vector<Input> written_seeds(const std::string& kind, const fs::path& scratc
   if (kind == "answer") return {{0, "small.answer", small_answer()}};
   if (kind == "blob")
     return {{0, "small.scene", text_of(scene_bytes(small_scene()))},
+            {0, "masked.scene", text_of(scene_bytes(masked_scene()))},
             {0, "small.why", small_explanations()},
             {0, "small.detail", small_detail()}};
   if (kind == "requests") {  // what the requests of the seeds name

@@ -1,8 +1,10 @@
 #pragma once
+#include <gnomon/alpha_mask.h>
 #include <gnomon/light.h>
 
 #include <cstdint>
 #include <glm/glm.hpp>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -96,8 +98,11 @@ struct Mesh {
   bool casts = true;
   bool receives = true;
   glm::vec3 albedo{0.7f};      ///< linear
-  std::optional<Shape> shape;  ///< exact shape beside the tessellation
+  std::optional<Shape> shape;  ///< exact shape beside the tessellation; a flat one where there is an alpha mask
   MeshFacts facts;
+  /// Where the triangles are solid; null: everywhere. Other meshes may share it.
+  std::shared_ptr<const AlphaMask> alpha_mask;
+  std::vector<glm::vec2> uv;  ///< places in the alpha mask, one for each position; empty without one
 
   Triangle corners(std::size_t triangle) const {
     const glm::uvec3& t = triangles[triangle];
@@ -105,6 +110,8 @@ struct Mesh {
   }
   /// Whether mesh truth and shape truth differ.
   bool has_curved_shape() const { return shape && is_curved(*shape); }
+  /// Whether it has an inside: a surface with holes has none, however its triangles meet.
+  bool is_closed() const { return !alpha_mask && facts.closed(); }
 };
 
 /// Pinhole camera. The image plane is perpendicular to target - eye; `up` gives its upward side.
@@ -137,6 +144,8 @@ struct Scene {
   /// Of all vertices, casters and receivers alike.
   Bounds bounds() const;
   bool has_curved_shapes() const;
+  /// Whether a mesh has an alpha mask.
+  bool has_alpha_masks() const;
 };
 
 /// Largest absolute coordinate of vertices, eye and finite light: the scale of float32 rounding in this scene.

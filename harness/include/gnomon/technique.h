@@ -63,6 +63,19 @@ enum class Floor {
 };
 std::string_view name(Floor floor);
 
+/// What a scene may hold beside opaque triangles that stand still. A technique says which of it it handles; a scene that holds
+/// more is unsupported, so that nothing that was written before the feature is silently wrong on it.
+enum class Feature {
+  alpha_masks,  ///< casters with holes, see Mesh::alpha_mask
+};
+std::string_view name(Feature feature);
+/// By name; nothing where there is none.
+std::optional<Feature> feature_named(std::string_view name);
+/// All there are.
+std::span<const Feature> all_features();
+/// Those that the casters of a scene have.
+std::vector<Feature> features_of(const Scene& scene);
+
 /// A reason for wrong pixels that a technique knows of itself, beside the common ones of docs/causes.md. It says by
 /// Explanation::cause at which pixels it holds.
 struct OwnCause {
@@ -86,10 +99,19 @@ struct About {
   bool is_default = false;    ///< the technique that `gnomon view` shows when none is named
   /// The edges of its shadows are those of polygons that a rasterizer draws in the picture's pixels, snapped to its grid.
   bool rasterizes = false;
+  std::span<const Feature> handles = {};          ///< of scenes: it is asked about those that need no other
   std::span<const OwnCause> causes = {};          ///< of its own
   std::span<const std::string_view> lights = {};  ///< kinds that it knows, of a program; empty: `supports` tells
   bool named_only = false;  ///< not among what `*` stands for: an engine, which runs only where it is asked for by name
 };
+
+class Technique;
+/// What a technique supports: what its `supports` answers where it handles all features of the scene, else `unsupported`, which
+/// names those that it does not handle. Everybody asks here.
+Support support_of(const About& about, const Technique& technique, const Scene& scene, const Light& light, const View& view);
+
+/// What a technique that looks up AlphaMask handles.
+inline constexpr Feature with_alpha_masks[] = {Feature::alpha_masks};
 
 /// A shadow technique. Life: construct (no work), set parameters, then setup, build, relight, resolve in this order; each
 /// later stage may be repeated without the earlier ones, with other arguments. A parameter set afterwards is seen from the

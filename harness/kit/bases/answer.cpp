@@ -16,7 +16,7 @@ Answer answer(std::string_view technique, const Scene& scene, const Light& light
     if (!gl_limits()) throw Error("{} draws: make an OpenGL 4.5 core context current and call ask_gl_limits() first", entry.id);
     glClipControl(GL_UPPER_LEFT, GL_ZERO_TO_ONE);
   }
-  if (const Support support = object->supports(scene, light, view); !support)
+  if (const Support support = support_of(entry.about, *object, scene, light, view); !support)
     throw Error("{} does not support this: {}", entry.id, support.why());
   Answer seen;
   seen.gbuffer =

@@ -13,8 +13,11 @@ EdgeAdjacency::EdgeAdjacency(const Scene& scene) {
   std::vector<std::uint8_t> casts;  // of each vertex
   for (const Mesh& mesh : scene.meshes) {
     const auto base = static_cast<std::uint32_t>(positions_.size());
-    meshes_.push_back(
-        {static_cast<std::uint32_t>(triangles_.size()), static_cast<std::uint32_t>(mesh.triangles.size()), mesh.casts, {}});
+    meshes_.push_back({static_cast<std::uint32_t>(triangles_.size()),
+                       static_cast<std::uint32_t>(mesh.triangles.size()),
+                       mesh.casts,
+                       mesh.alpha_mask != nullptr,
+                       {}});
     positions_.insert(positions_.end(), mesh.positions.begin(), mesh.positions.end());
     casts.resize(positions_.size(), mesh.casts);
     for (const glm::uvec3& t : mesh.triangles) triangles_.push_back(t + base);
@@ -133,6 +136,7 @@ void EdgeAdjacency::find_parts() {
       }
       Part& part = parts_[part_of_[t] = part_of_[first]];
       part.bounds.add(corners(t).points);
+      part.closed &= !mesh.has_holes;
     }
   }
   for (std::uint32_t t = 0; t < triangles_.size(); ++t) {
@@ -151,7 +155,7 @@ std::size_t EdgeAdjacency::bytes() const {
 }
 
 std::vector<Bounds> solid_parts(const Mesh& mesh) {
-  if (!mesh.casts || !mesh.facts.closed()) return {};
+  if (!mesh.casts || !mesh.is_closed()) return {};
   Scene alone;
   alone.meshes = {mesh};
   const EdgeAdjacency adjacency(alone);

@@ -1,4 +1,5 @@
 #include <gnomon/kit/geometry/exact_scene.h>
+#include <gnomon/kit/geometry/holes.h>
 #include <gnomon/kit/parallel.h>
 
 #include <algorithm>
@@ -58,6 +59,7 @@ ExactAnswer ExactScene::occluded(const Receiver& receiver, const glm::dvec4& lig
     ++tally.triangles;
     const Crossing crossing = crosses(segment, caster.corners, &tally.signs);
     if (crossing == Crossing::none || leaves_out(receiver, caster)) return false;
+    if (!is_solid_at(scene_->meshes[caster.mesh], caster.triangle, segment)) return false;
     touched |= crossing == Crossing::degenerate;
     return crossing == Crossing::crosses;
   });

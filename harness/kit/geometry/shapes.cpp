@@ -208,6 +208,7 @@ Mesh merge(std::span<const Mesh> parts, std::string name) {
   Mesh whole;
   whole.name = std::move(name);
   for (const Mesh& part : parts) {
+    assert(!part.alpha_mask);
     const auto offset = static_cast<std::uint32_t>(whole.positions.size());
     whole.positions.insert(whole.positions.end(), part.positions.begin(), part.positions.end());
     for (const glm::uvec3& triangle : part.triangles) whole.triangles.push_back(triangle + offset);

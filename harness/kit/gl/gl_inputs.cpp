@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cmath>
 
+#include "kit/gl/gl_masks.h"
 #include "kit/gl/pixel_rectangles.h"
 
 namespace gnomon {
@@ -38,6 +39,8 @@ std::uint64_t stamp(const Scene& scene) {
     mix(mesh.positions.size());
     mix(mesh.triangles.size());
     mix(mesh.casts * 2 + mesh.receives);
+    mix(std::bit_cast<std::uintptr_t>(mesh.alpha_mask.get()));
+    mix(std::bit_cast<std::uintptr_t>(mesh.uv.data()));
     if (mesh.positions.empty()) continue;
     for (std::size_t k = 0; k < 4; ++k) {
       const glm::vec3& p = mesh.positions[(mesh.positions.size() - 1) * k / 3];
@@ -74,7 +77,8 @@ constexpr std::size_t slot_count = 4;
 struct Inputs {
   std::vector<std::unique_ptr<SceneSlot>> scenes;
   std::vector<std::unique_ptr<GBufferSlot>> gbuffers;
-  Program depth_program, shape_depth_program;
+  CasterPrograms depth_programs;
+  Program shape_depth_program;
 };
 std::uint64_t uploaded_bytes = 0;  // of triangles
 bool is_depth_used[2] = {};        // by what is seen
@@ -103,7 +107,8 @@ SceneBuffers upload(const Scene& scene) {
   std::size_t vertices = 0, triangles = 0;
   for (const Mesh& mesh : scene.meshes) {
     buffers.meshes.push_back({static_cast<std::uint32_t>(vertices), static_cast<std::uint32_t>(triangles),
-                              static_cast<std::uint32_t>(mesh.triangles.size()), mesh.casts, mesh.receives});
+                              static_cast<std::uint32_t>(mesh.triangles.size()), mesh.casts, mesh.receives,
+                              mesh.alpha_mask != nullptr});
     vertices += mesh.positions.size();
     triangles += mesh.triangles.size();
   }
@@ -126,6 +131,7 @@ SceneBuffers upload(const Scene& scene) {
   glEnableVertexArrayAttrib(vao, 0);
   glVertexArrayElementBuffer(vao, buffers.triangles.name());
   buffers.bytes = buffers.positions.bytes + buffers.triangles.bytes;
+  upload_masks(scene, buffers);
   uploaded_bytes += buffers.bytes;
   return buffers;
 }
@@ -196,10 +202,16 @@ GBufferSlot& gbuffer_slot(const GBuffer& gbuffer, const Scene& scene) {
 
 GlLimits inputs_need(const Scene& scene, int width, int height) {
   GlLimits needed{.texture_size = std::max(width, height)};
+  if (scene.has_alpha_masks()) {
+    needed.fragment_storage_blocks = 1;
+    needed.storage_bindings = 8;
+    needed.storage_block_bytes = static_cast<std::int64_t>(mask_bytes(scene));
+  }
   if (!scene.has_curved_shapes()) return needed;
-  needed.fragment_storage_blocks = needed.storage_bindings = 1;
-  needed.storage_block_bytes = static_cast<std::int64_t>(scene.meshes.size() * sizeof(std::uint32_t));
-  return needed;
+  const GlLimits shapes{.fragment_storage_blocks = 1,
+                        .storage_bindings = 1,
+                        .storage_block_bytes = static_cast<std::int64_t>(scene.meshes.size() * sizeof(std::uint32_t))};
+  return most_of(needed, shapes);
 }
 
 const SceneBuffers& scene_buffers(const Scene& scene) {
@@ -250,11 +262,11 @@ const DepthStencil& depth_stencil(const Scene& scene, const GBuffer& gbuffer, Tr
   GBufferSlot& slot = gbuffer_slot(gbuffer, scene);
   DepthStencil& depth = shows_shapes ? slot.shape_depth : slot.depth;
   if (depth.texture) return depth;
-  Program& program = inputs().depth_program;
+  CasterPrograms& programs = inputs().depth_programs;
   Program& shape_program = inputs().shape_depth_program;
   const SceneBuffers& buffers = scene_buffers(scene);
-  const std::string vertex = std::string(position_snippet) + "void main() { gl_Position = place(vec4(position, 1)); }";
-  if (!program) program = Program("depth of the view", vertex, "void main() {}");
+  if (!programs.solid()) programs = CasterPrograms("depth of the view", depth_vertex, depth_fragment);
+  programs.fit(scene);
   if (shows_shapes && !shape_program)
     shape_program = Program("depth of the shapes in view", full_screen_vertex, shape_depth_fragment);
   std::vector<std::uint32_t> drawn, is_curved;
@@ -273,9 +285,8 @@ const DepthStencil& depth_stencil(const Scene& scene, const GBuffer& gbuffer, Tr
     glEnable(GL_DEPTH_TEST);
     glDepthFunc(GL_GREATER);
     const glm::mat4 clip(clip_from_world(gbuffer, scene));
-    program.set("clip_from_world", clip);
-    glUseProgram(program.name());
-    buffers.draw(drawn);
+    programs.set("clip_from_world", clip);
+    buffers.draw(drawn, programs);
     if (!shows_shapes) return;
     const Buffer curved(is_curved.data(), is_curved.size() * 4);
     glDepthFunc(GL_ALWAYS);

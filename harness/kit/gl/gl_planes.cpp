@@ -13,6 +13,9 @@ void main() {
   gl_ClipDistance[0] = height - tolerance;
   gl_ClipDistance[1] = (1 - height * per_light_height) - least_share;
   gl_Position = place(vec4(position, 1));
+#ifdef MASKED
+  hand_on_mask();
+#endif
 }
 )";
 

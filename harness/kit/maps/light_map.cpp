@@ -4,13 +4,14 @@ namespace gnomon {
 
 namespace {
 
-const std::string depth_vertex = std::string(position_snippet) + "void main() { gl_Position = place(vec4(position, 1)); }";
-
-constexpr std::string_view second_fragment = R"(
+const std::string second_fragment = R"(
 layout(binding = 3) uniform sampler2DArray first_depth;
 uniform int layer;
 void main() {
   if (gl_FragCoord.z >= texelFetch(first_depth, ivec3(gl_FragCoord.xy, layer), 0).r) discard;
+#ifdef MASKED
+  if (in_hole()) discard;
+#endif
 }
 )";
 
@@ -25,8 +26,8 @@ bool is_seen_from_outside(std::span<const Bounds> solid_parts, const LightSpaceF
 }
 
 void DepthImages::setup() {
-  first_program_ = Program("depth from the light", depth_vertex, "void main() {}");
-  second_program_ = Program("second depth from the light", depth_vertex, second_fragment);
+  first_ = CasterPrograms("depth from the light", depth_vertex, depth_fragment);
+  second_ = CasterPrograms("second depth from the light", depth_vertex, second_fragment);
   framebuffer_ = make_framebuffer();
 }
 
@@ -35,18 +36,20 @@ void DepthImages::build(const Scene& scene) {
   boxes_ = mesh_boxes(scene);
   solid_parts_ = solid_parts(scene);
   scene_buffers(scene);
+  first_.fit(scene);
+  second_.fit(scene);
 }
 
 std::size_t DepthImages::draw(const LightCamera& camera, Texture& target, Faces faces) {
-  return draw(first_program_, camera, target, faces);
+  return draw(first_, camera, target, faces);
 }
 
 std::size_t DepthImages::draw_second(const LightCamera& camera, const Texture& first, Texture& target) {
   glBindTextureUnit(3, first.name());
-  return draw(second_program_, camera, target, Faces::all);
+  return draw(second_, camera, target, Faces::all);
 }
 
-std::size_t DepthImages::draw(const Program& program, const LightCamera& camera, Texture& target, Faces faces) {
+std::size_t DepthImages::draw(const CasterPrograms& programs, const LightCamera& camera, Texture& target, Faces faces) {
   target.fit(GL_DEPTH_COMPONENT32F, camera.resolution, camera.resolution, std::max(camera.layer_count, 1));
   const SceneBuffers& buffers = scene_buffers(*scene_);
   const GLuint framebuffer = framebuffer_.name();
@@ -55,7 +58,6 @@ std::size_t DepthImages::draw(const Program& program, const LightCamera& camera,
   glEnable(GL_DEPTH_TEST);
   glEnable(GL_DEPTH_CLAMP);
   glDepthFunc(GL_GREATER);
-  glUseProgram(program.name());
   std::size_t triangles = 0;
   std::vector<std::uint32_t> lit, all;
   for (const LightImage& image : camera.images) {
@@ -63,19 +65,19 @@ std::size_t DepthImages::draw(const Program& program, const LightCamera& camera,
     glNamedFramebufferTextureLayer(framebuffer, GL_DEPTH_ATTACHMENT, target.name(), 0, image.layer);
     const float infinitely_far = 0;
     glClearNamedFramebufferfv(framebuffer, GL_DEPTH, 0, &infinitely_far);
-    program.set("clip_from_world", glm::mat4(image.clip_from_world(camera.resolution)));
-    program.set_if_used("layer", image.layer);
+    programs.set("clip_from_world", glm::mat4(image.clip_from_world(camera.resolution)));
+    programs.set_if_used("layer", image.layer);
     lit.clear();
     all.clear();
     for (const std::uint32_t m : image.casters) {
       (faces == Faces::lit && is_seen_from_outside(solid_parts_[m], image) ? lit : all).push_back(m);
       triangles += buffers.meshes[m].triangle_count;
     }
-    buffers.draw(all);
+    buffers.draw(all, programs);
     if (lit.empty()) continue;
     glEnable(GL_CULL_FACE);
     glFrontFace(glm::determinant(image.light_from_world) < 0 ? GL_CW : GL_CCW);  // a mirrored face turns triangles about
-    buffers.draw(lit);
+    buffers.draw(lit);                                                           // bodies: none has holes
     glDisable(GL_CULL_FACE);
   }
   glFrontFace(GL_CCW);

@@ -1,14 +1,13 @@
-#include <embree3/rtcore.h>
 #include <gnomon/error.h>
 #include <gnomon/kit/geometry/contour.h>
 #include <gnomon/kit/geometry/edges.h>
-#include <gnomon/kit/rays/rays.h>
 #include <gnomon/kit/vectorized.h>
 #include <tbb/global_control.h>
 
 #include <atomic>
 #include <mutex>
 
+#include "kit/rays/ray_filters.h"
 #include "kit/rays/ray_frame.h"
 #include "kit/rays/shape_rays.h"
 
@@ -25,86 +24,14 @@ struct ShapeGeometry {
 
 namespace {
 
-/// What the filter and the shape callbacks see beside Embree's own context; ray ids are lane numbers.
-struct Context {
-  RTCIntersectContext embree = {};
-  Receivers receivers = {};  ///< none: exact curved shapes let all through
-};
-
 bool count_memory(void* sum, ssize_t bytes, bool) {
   *static_cast<std::atomic<std::int64_t>*>(sum) += bytes;
   return true;
 }
 
-void exclude_receiver(const RTCFilterFunctionNArguments* args) {
-  const auto& receivers = reinterpret_cast<const Context*>(args->context)->receivers;
-  for (unsigned lane = 0; lane < args->N; ++lane) {
-    if (args->valid[lane] == 0) continue;
-    const unsigned id = RTCRayN_id(args->ray, args->N, lane);
-    if (RTCHitN_geomID(args->hit, args->N, lane) == receivers.mesh[id] &&
-        RTCHitN_primID(args->hit, args->N, lane) == receivers.triangle[id])
-      args->valid[lane] = 0;
-  }
-}
-
 /// A single ray from its origin to `tfar` lengths of its direction.
 RTCRay ray_to(const glm::vec3& origin, const glm::vec3& direction, float tfar) {
   return {origin.x, origin.y, origin.z, 0, direction.x, direction.y, direction.z, 0, tfar, 0xffffffffu, 0, 0};
-}
-
-struct LaneRay {
-  glm::dvec3 origin, direction;
-  double tnear, tfar;
-};
-
-LaneRay lane_ray(RTCRayN* rays, unsigned count, unsigned lane) {
-  return {{RTCRayN_org_x(rays, count, lane), RTCRayN_org_y(rays, count, lane), RTCRayN_org_z(rays, count, lane)},
-          {RTCRayN_dir_x(rays, count, lane), RTCRayN_dir_y(rays, count, lane), RTCRayN_dir_z(rays, count, lane)},
-          RTCRayN_tnear(rays, count, lane),
-          RTCRayN_tfar(rays, count, lane)};
-}
-
-/// What `exclude_doubtful` sees: the rays, as they are traced, and where in the scene they go. It notes the rays in `doubtful`.
-struct DoubtContext : Context {
-  const Scene& scene;
-  double scale, clearance;
-  std::array<float, 16> tnear, tfar;
-  std::uint32_t doubtful = 0;
-};
-
-/// Whether a ray goes through a triangle, scaled to the frame that is traced, with so much room on all sides that its float32
-/// numbers leave no doubt.
-bool is_clear(const LaneRay& ray, const Triangle& triangle, double scale, double clearance) {
-  glm::dvec3 v[3];
-  double turn[3];
-  for (int k = 0; k < 3; ++k) v[k] = scale * glm::dvec3(triangle.points[k]) - ray.origin;
-  for (int k = 0; k < 3; ++k) {
-    const glm::dvec3 &from = v[k], &to = v[(k + 1) % 3];
-    turn[k] = glm::dot(glm::cross(from, to), ray.direction);
-    // Over the length on the right this is the distance of two lines.
-    if (!(std::abs(turn[k]) > clearance * glm::length(glm::cross(to - from, ray.direction)))) return false;
-  }
-  if ((turn[0] > 0) != (turn[1] > 0) || (turn[0] > 0) != (turn[2] > 0)) return false;
-  const glm::dvec3 normal = glm::cross(v[1] - v[0], v[2] - v[0]);
-  const double t = glm::dot(normal, v[0]) / glm::dot(normal, ray.direction), room = clearance / glm::length(ray.direction);
-  return t > std::max(ray.tnear + room, 4 * room) && t < ray.tfar - room;
-}
-
-void exclude_doubtful(const RTCFilterFunctionNArguments* args) {
-  exclude_receiver(args);
-  auto& context = static_cast<DoubtContext&>(*reinterpret_cast<Context*>(args->context));
-  for (unsigned lane = 0; lane < args->N; ++lane) {
-    if (args->valid[lane] == 0) continue;
-    const unsigned id = RTCRayN_id(args->ray, args->N, lane);
-    const Mesh& mesh = context.scene.meshes[RTCHitN_geomID(args->hit, args->N, lane)];
-    const Triangle triangle = mesh.corners(RTCHitN_primID(args->hit, args->N, lane));
-    LaneRay ray = lane_ray(args->ray, args->N, lane);
-    ray.tnear = context.tnear[id];
-    ray.tfar = context.tfar[id];
-    if (is_clear(ray, triangle, context.scale, context.clearance)) continue;
-    context.doubtful |= 1u << id;
-    args->valid[lane] = 0;
-  }
 }
 
 void shape_bounds(const RTCBoundsFunctionArguments* args) {
@@ -157,7 +84,7 @@ void intersect_shape(const RTCIntersectFunctionNArguments* args) {
 /// point may move it, so the origin lies inside the receiver's own body exactly when the normal points inward.
 void occlude_shape(const RTCOccludedFunctionNArguments* args) {
   const auto& geometry = *static_cast<const ShapeGeometry*>(args->geometryUserPtr);
-  const auto& receivers = reinterpret_cast<const Context*>(args->context)->receivers;
+  const auto& receivers = reinterpret_cast<const FilterContext*>(args->context)->receivers;
   if (!receivers.mesh) return;
   for (unsigned lane = 0; lane < args->N; ++lane) {
     if (args->valid[lane] == 0) continue;
@@ -178,7 +105,8 @@ Shape scaled(const Shape& shape, double scale) {
 }
 
 /// Whether anything blocks the rays, hits that the filter excludes left out; bit k is ray k.
-std::uint32_t trace(RTCScene scene, std::uint32_t valid, ShadowPacket& packet, Context& context, RTCFilterFunctionN filter) {
+std::uint32_t trace(RTCScene scene, std::uint32_t valid, ShadowPacket& packet, FilterContext& context,
+                    RTCFilterFunctionN filter) {
   rtcInitIntersectContext(&context.embree);
   context.embree.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
   context.embree.filter = filter;
@@ -196,6 +124,7 @@ struct RayScene::Body {
   Truth truth = Truth::shape;
   Which which = Which::all;
   double scale = 1;                     ///< of the world to the frame that is traced
+  bool has_masks = false;               ///< of a mesh that is traced
   std::atomic<std::int64_t> bytes = 0;  ///< Embree counts them per device, so every RayScene has one of its own
   std::optional<std::int64_t> bytes_of_one_thread;
   RTCDevice device = nullptr;
@@ -203,6 +132,9 @@ struct RayScene::Body {
   std::vector<std::unique_ptr<ShapeGeometry>> shapes;
   std::once_flag is_joined;
   EdgeAdjacency adjacency;
+  FilterContext context(const Receivers& receivers = {}) const {
+    return {.receivers = receivers, .masked = has_masks ? source : nullptr, .scale = scale};
+  }
   ~Body() {
     rtcReleaseScene(scene);
     rtcReleaseDevice(device);
@@ -233,6 +165,7 @@ RayScene::RayScene(const Scene& scene, Truth truth, Which which) : body_(std::ma
       rtcSetGeometryOccludedFunction(geometry, occlude_shape);
     } else {
       if (mesh.triangles.empty()) continue;
+      body_->has_masks |= mesh.alpha_mask != nullptr;
       geometry = rtcNewGeometry(body_->device, RTC_GEOMETRY_TYPE_TRIANGLE);
       // Embree reads 16 bytes per vertex, so positions are copied into a buffer that it pads.
       auto* vertices = static_cast<glm::vec3*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
@@ -254,24 +187,25 @@ RayScene::RayScene(const Scene& scene, Truth truth, Which which) : body_(std::ma
 RayScene::Hit RayScene::closest(const glm::dvec3& origin, const glm::dvec3& direction) const {
   const glm::dvec3 start = body_->scale * origin;
   if (body_->scale != 1 && !(extent(start) < too_far)) return {};
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
+  RayContext context{body_->context(), start, direction};
+  rtcInitIntersectContext(&context.embree);
+  if (context.masked) context.embree.filter = exclude_holes_of_one;
   RTCRayHit query{ray_to(start, direction, INFINITY), {}};
   query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-  rtcIntersect1(body_->scene, &context, &query);
+  rtcIntersect1(body_->scene, &context.embree, &query);
   if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return {};
   return {query.hit.geomID, query.hit.primID, glm::normalize(glm::dvec3(query.hit.Ng_x, query.hit.Ng_y, query.hit.Ng_z)),
           query.ray.tfar / body_->scale};
 }
 
 std::vector<RayScene::Met> RayScene::met(const glm::dvec3& origin, const glm::dvec3& way) const {
-  struct Search : Context {
+  struct Search : FilterContext {
     std::vector<Met> found;
   } search;
   rtcInitIntersectContext(&search.embree);
   search.embree.filter = [](const RTCFilterFunctionNArguments* args) {
     const auto* hit = reinterpret_cast<const RTCHit*>(args->hit);  // one ray
-    static_cast<Search*>(reinterpret_cast<Context*>(args->context))->found.push_back({hit->geomID, hit->primID});
+    static_cast<Search*>(reinterpret_cast<FilterContext*>(args->context))->found.push_back({hit->geomID, hit->primID});
     args->valid[0] = 0;
   };
   const glm::dvec3 start = body_->scale * origin;
@@ -284,15 +218,14 @@ std::vector<RayScene::Met> RayScene::met(const glm::dvec3& origin, const glm::dv
 
 std::uint32_t RayScene::occluded(std::uint32_t valid, ShadowPacket& packet, const Receivers& receivers) const {
   if (body_->scale != 1 || is_short(valid, packet)) valid &= into_frame(packet, body_->scale);
-  Context context{.receivers = receivers};
-  return trace(body_->scene, valid, packet, context, exclude_receiver);
+  FilterContext context = body_->context(receivers);
+  return trace(body_->scene, valid, packet, context, context.masked ? exclude_receiver_and_holes : exclude_receiver);
 }
 
 RayScene::Blocked RayScene::blocked(std::uint32_t valid, ShadowPacket& packet, const Receivers& receivers,
                                     double clearance) const {
   if (body_->scale != 1 || is_short(valid, packet)) valid &= into_frame(packet, body_->scale);
-  DoubtContext context{{.receivers = receivers}, *body_->source, body_->scale,
-                       body_->scale * clearance, packet.tnear,   packet.tfar};
+  DoubtContext context{body_->context(receivers), *body_->source, body_->scale * clearance, packet.tnear, packet.tfar};
   const std::uint32_t clearly = trace(body_->scene, valid, packet, context, exclude_doubtful);
   return {clearly | (context.doubtful & valid), clearly};
 }
@@ -316,6 +249,8 @@ std::size_t RayScene::bytes() const {
   }
   return static_cast<std::size_t>(*body_->bytes_of_one_thread);
 }
+
+bool RayScene::has_alpha_masks() const { return body_->has_masks; }
 
 std::string RayScene::description() const {
   // The widest packet that Embree traces at once tells the instruction set it chose: 16 AVX-512, 8 AVX or AVX2, 4 SSE.

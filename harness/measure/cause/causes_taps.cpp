@@ -155,6 +155,11 @@ class PerfectMap {
       if (const std::size_t j = tap[s]; !q.is_dark && !flips[j])
         flips[j] = lets_through(start(q, block_.places[q.first_tap + j], unshifted)) ||
                    std::any_of(&starts[s], &starts[s] + 4, lets_through);
+    // Holes have corners, which four shifts may miss.
+    for (std::size_t s = 0; s < starts.size(); s += 4)
+      if (const std::size_t j = tap[s]; !flips[j])
+        flips[j] = block_.rays.is_at_hole_border(start(q, block_.places[q.first_tap + j], unshifted),
+                                                 q.why->texel_width * block_.grid);
     return q.is_on_technique_side(lit_weight(weights, [&](std::size_t j) { return plain(j) != (flips[j] != 0); }));
   }
 

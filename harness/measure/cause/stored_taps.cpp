@@ -44,7 +44,7 @@ std::vector<std::size_t> StoredTaps::guilty(bool is_from_plane) const {
 }
 
 /// The object that a tap's stored depth was drawn from: a surface within two diagonals of it on the tap's ray, or on a shaken
-/// one; no_mesh where there is none.
+/// one; or one with an alpha mask that the ray meets so near in a hole; no_mesh where there is none.
 std::uint32_t StoredTaps::stored_mesh(std::size_t j) const {
   const Tap& tap = q_.why->taps[j];
   const glm::dvec3 stored = tap.origin + tap.stored * tap.direction;
@@ -56,7 +56,9 @@ std::uint32_t StoredTaps::stored_mesh(std::size_t j) const {
           rays_.surface_at(stored + aside - glm::dot(aside, tap.direction) * tap.direction, tap.direction);
       if (other.off < best.off) best = other;
     }
-  return best.off <= q_.reach || best.is_shape ? best.mesh : no_mesh;
+  if (best.off <= q_.reach || best.is_shape) return best.mesh;
+  // Solid by another look-up than the reference's: of a smaller level of the texture, or of none.
+  return rays_.masked_mesh_at(stored, tap.direction, q_.reach);
 }
 
 StoredTaps::Stored StoredTaps::stored_surface(std::size_t j) const {

@@ -1,5 +1,7 @@
 // The data sheet of a technique: texts, parameters, support.
+#include <algorithm>
 #include <cctype>
+#include <cmath>
 #include <set>
 
 #include "measure/cause/own_causes.h"
@@ -132,6 +134,68 @@ void support_answered(Trial& trial) {
   }
 }
 
+/// Wrong pixels of class T, as the rules `exact` and `better_than_nothing` count them, and what a mask without shadows has.
+struct WrongPixels {
+  std::size_t tested = 0, wrong = 0, dark = 0, first = 0;
+};
+
+WrongPixels wrong_pixels(const std::vector<float>& mask, const World::Truthful& truth, const Technique& technique) {
+  WrongPixels found;
+  for (std::size_t i = 0; i < mask.size(); ++i) {
+    if (truth.classes[i] != PixelClass::T) continue;
+    if (const auto why = technique.explain(i); why && !why->covered) continue;
+    ++found.tested;
+    found.dark += truth.mask[i] < 0.5f;
+    if (std::abs(mask[i] - truth.mask[i]) >= 0.5f && found.wrong++ == 0) found.first = i;
+  }
+  return found;
+}
+
+/// An exact technique is wrong nowhere, one that promises a share keeps it, any other is far better than no shadows.
+void judge_holes(Trial& trial, World& w, const GBuffer& gbuffer, const Light& light, const Technique& technique,
+                 const std::vector<float>& mask) {
+  const WrongPixels found = wrong_pixels(mask, w.reference(gbuffer, light, trial.entry().about.estimates), technique);
+  trial.expect(found.dark >= 100, fmt::format("{} dark pixels that it covers: too few to judge by", found.dark));
+  const auto promised = trial.support(w.scene, light).most_wrong();
+  const std::size_t most = trial.entry().about.promise == Promise::exact ? 0
+                           : promised ? static_cast<std::size_t>(*promised * static_cast<double>(found.tested))
+                                      : found.dark / 4;
+  if (found.wrong > most)
+    trial.found(fmt::format("{} of {} tested pixels are wrong, {} without shadows; at most {} may be", found.wrong,
+                            found.tested, found.dark, most),
+                found.first, gbuffer);
+}
+
+// Before it runs, so that a technique made before a feature is never silently wrong on a scene that has it.
+void features(Trial& trial) {
+  const About& about = trial.entry().about;
+  trial.at("checkered_card");
+  const auto w = trial.world(checkered_card());
+  const bool handles_holes = std::ranges::find(about.handles, Feature::alpha_masks) != about.handles.end();
+  if (!handles_holes) {
+    for (const Light& light : lights_of_all_kinds(w->scene)) {
+      trial.at(light);
+      const Support support = trial.support(w->scene, light);
+      trial.expect(
+          !support && support.why().find(name(Feature::alpha_masks)) != std::string::npos,
+          fmt::format("it does not handle alpha_masks, and its support is {} ('{}')", name(support.kind()), support.why()));
+    }
+    return;
+  }
+  const GBuffer gbuffer = w->gbuffer(w->scene.views[0], 160, 90);
+  const std::vector<Light> lights = trial.supported_lights(w->scene);
+  // Lights with area only for a technique that supports no other: their penumbrae are narrower than a texel of the mask.
+  const bool is_soft = std::ranges::all_of(lights, has_area);
+  for (const Light& light : lights) {
+    if (has_area(light) && !is_soft) continue;
+    trial.at(light);
+    const auto technique = trial.set_up();
+    const std::vector<float> mask = trial.answer(*technique, w->scene, light, gbuffer);
+    trial.expect_mask(mask, w->scene, gbuffer, light);
+    if (!is_sanitized && about.role != Role::baseline) judge_holes(trial, *w, gbuffer, light, *technique, mask);
+  }
+}
+
 }  // namespace
 
 std::vector<Rule> about_rules() {
@@ -153,7 +217,13 @@ std::vector<Rule> about_rules() {
           Rule("parameter_values", parameter_values, {},
                "Parameters take every value that they allow and refuse others with what, which value and what is allowed.",
                "Use Number, Choice and Flag of gnomon/param.h, which do so; a parameter of your own has to throw Error as they "
-               "do.")};
+               "do."),
+          Rule("features", features, {},
+               "A scene whose casters have holes is unsupported, unless About::handles lists alpha_masks. Then an exact "
+               "technique is wrong at no tested pixel of such a scene; a sampled one keeps its promise, or has less than a "
+               "quarter of the wrong pixels of a mask without shadows.",
+               "Look up every triangle that blocks a ray, or that is drawn, in its mask: is_solid_at "
+               "(gnomon/kit/geometry/holes.h) finds the texel. A technique that does not leaves handles empty.")};
 }
 
 }  // namespace gnomon::conformance

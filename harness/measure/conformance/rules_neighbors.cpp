@@ -20,6 +20,7 @@ Bytes bytes_of(const Scene& scene, const GBuffer& g) {
   for (const Mesh& mesh : scene.meshes) {
     append(bytes, mesh.positions);
     append(bytes, mesh.triangles);
+    append(bytes, mesh.uv);
   }
   for (const auto& part : {g.px, g.py, g.pz, g.nx, g.ny, g.nz}) append(bytes, part);
   append(bytes, g.mesh);

@@ -8,7 +8,7 @@
 namespace gnomon::conformance {
 
 Support Trial::support(const Scene& scene, const Light& light, const std::string& settings) const {
-  return made(settings)->supports(scene, light, scene.views[0]);
+  return support_of(entry_.about, *made(settings), scene, light, scene.views[0]);
 }
 
 std::vector<Light> Trial::supported_lights(const Scene& scene, const std::string& settings) const {
@@ -140,7 +140,7 @@ std::vector<Support::Kind> supports(const TechniqueEntry& entry, const std::stri
   for (const Light& light : lights_of_all_kinds(scene)) {
     const auto technique = entry.make();
     technique->apply(settings);
-    kinds.push_back(technique->supports(scene, light, scene.views[0]).kind());
+    kinds.push_back(support_of(entry.about, *technique, scene, light, scene.views[0]).kind());
   }
   return kinds;
 }

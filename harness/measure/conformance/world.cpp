@@ -1,6 +1,7 @@
 #include "measure/conformance/world.h"
 
 #include <dlfcn.h>
+#include <gnomon/kit/geometry/shapes.h>
 #include <gnomon/registry.h>
 
 #include <cstdlib>
@@ -18,6 +19,27 @@ Scene generated_scene(const std::string& reference) {
   if (!registry().find_scene(id))
     throw CannotAsk("the generated scene {} is missing: this program was built without it, and rules are asked there", id);
   return load_scene(reference);
+}
+
+Scene checkered_card() {
+  constexpr int side = 8;
+  std::vector<std::uint8_t> alpha;
+  for (int y = 0; y < side; ++y)
+    for (int x = 0; x < side; ++x) alpha.push_back((x + y) % 2 == 0 ? 255 : 0);
+  Mesh card;
+  card.name = "card";
+  card.positions = {{-1.875f, 1.5f, -1.75f}, {-1.625f, 1.75f, 1.75f}, {1.875f, 1.625f, 1.5f}, {1.625f, 1.375f, -2}};
+  card.triangles = {{0, 1, 2}, {0, 2, 3}};
+  card.uv = {{0, 0}, {0, 1}, {1, 1}, {1, 0}};
+  card.alpha_mask = std::make_shared<const AlphaMask>(side, side, alpha);
+  finish(card);
+  Scene scene;
+  scene.name = "checkered_card";
+  scene.meshes = {std::move(card), tessellate(ground_plane(6), 3, "ground")};
+  scene.lights = {{.name = "point", .kind = PointLight{{0.7f, 8, 1.1f}}},
+                  {.name = "sun", .kind = DirectionalLight{{-0.3f, -1, -0.2f}}}};
+  scene.views = {{.name = "view", .eye = {1, 6, 7}, .target = {0, 0, 0}}};
+  return scene;
 }
 
 namespace {

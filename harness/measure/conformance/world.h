@@ -19,6 +19,10 @@ class CannotAsk : public Error {
 /// "box_city:count=12". Throws CannotAsk where this program was built without the generator.
 Scene generated_scene(const std::string& reference);
 
+/// A card whose alpha mask is a checker of 8 x 8 texels, over a ground: a scene that only techniques that handle alpha masks
+/// are asked about.
+Scene checkered_card();
+
 /// The frames of a scene in the folder of references, see World.
 FrameStore frames_of(const Scene& scene);
 

@@ -3,6 +3,9 @@
 #include <gnomon/kit/geometry/across.h>
 #include <gnomon/kit/geometry/camera.h>
 
+#include <map>
+
+#include "measure/exchange/mask_png.h"
 #include "measure/scene/blob.h"
 #include "measure/scene/scene_json.h"
 
@@ -11,7 +14,12 @@ namespace gnomon {
 namespace {
 
 // Numbers of the format: component types, targets of buffers.
-constexpr int float_type = 5126, unsigned_type = 5125, vertex_target = 34962, index_target = 34963;
+constexpr int float_type = 5126, unsigned_type = 5125, vertex_target = 34962, index_target = 34963, nearest_filter = 9728;
+
+int wrap_number(AlphaMask::Wrap wrap) {
+  constexpr int numbers[] = {10497, 33648, 33071};  // repeat, mirror, clamp
+  return numbers[static_cast<int>(wrap)];
+}
 
 /// Columns of a node's matrix: x to the right, y up, z backward, as cameras and lights of glTF look along -z.
 Json matrix(const glm::dvec3& right, const glm::dvec3& up, const glm::dvec3& back, const glm::dvec3& place) {
@@ -60,16 +68,50 @@ class GltfWriter {
   }
 
  private:
-  std::size_t add_numbers(std::span<const std::byte> numbers, int target) {
-    json_["bufferViews"].push_back(
-        json_object({{"buffer", 0}, {"byteOffset", bytes_.size()}, {"byteLength", numbers.size()}, {"target", target}}));
-    bytes_.insert(bytes_.end(), numbers.begin(), numbers.end());
+  std::size_t add_bytes(std::span<const std::byte> bytes) {
+    json_["bufferViews"].push_back(json_object({{"buffer", 0}, {"byteOffset", bytes_.size()}, {"byteLength", bytes.size()}}));
+    bytes_.insert(bytes_.end(), bytes.begin(), bytes.end());
     return json_["bufferViews"].size() - 1;
+  }
+  std::size_t add_numbers(std::span<const std::byte> numbers, int target) {
+    const std::size_t view = add_bytes(numbers);
+    json_["bufferViews"][view]["target"] = target;
+    return view;
   }
   std::size_t add_accessor(std::size_t view, int type, std::size_t count, const char* shape) {
     json_["accessors"].push_back(
         json_object({{"bufferView", view}, {"componentType", type}, {"count", count}, {"type", shape}}));
     return json_["accessors"].size() - 1;
+  }
+
+  /// Appends to a list of the file, which is there only with something in it.
+  std::size_t append(const char* list, Json item) {
+    if (!json_.contains(list)) json_[list] = Json::array();
+    json_[list].push_back(std::move(item));
+    return json_[list].size() - 1;
+  }
+
+  /// The texture whose alpha is a mask's bits; meshes that share a mask share it.
+  std::size_t texture_of(const AlphaMask& mask) {
+    if (const auto known = textures_.find(&mask); known != textures_.end()) return known->second;
+    const std::size_t view = add_bytes(mask_png(mask));
+    bytes_.resize((bytes_.size() + 3) / 4 * 4);  // numbers that follow begin at a multiple of 4
+    const std::size_t image = append("images", json_object({{"bufferView", view}, {"mimeType", "image/png"}}));
+    const std::size_t sampler = append("samplers", json_object({{"magFilter", nearest_filter},
+                                                                {"minFilter", nearest_filter},
+                                                                {"wrapS", wrap_number(mask.wrap_u())},
+                                                                {"wrapT", wrap_number(mask.wrap_v())}}));
+    return textures_[&mask] = append("textures", json_object({{"source", image}, {"sampler", sampler}}));
+  }
+
+  /// Texture and places for a mesh whose material is the last one.
+  void add_mask(const Mesh& mesh, Json& primitive) {
+    Json& material = json_["materials"].back();
+    material["alphaMode"] = "MASK";
+    material["alphaCutoff"] = 0.5;
+    material["pbrMetallicRoughness"]["baseColorTexture"] = json_object({{"index", texture_of(*mesh.alpha_mask)}});
+    primitive["attributes"]["TEXCOORD_0"] =
+        add_accessor(add_numbers(std::as_bytes(std::span(mesh.uv)), vertex_target), float_type, mesh.uv.size(), "VEC2");
   }
 
   void add(const Mesh& mesh) {
@@ -90,9 +132,10 @@ class GltfWriter {
       json_["materials"].push_back(json_object(
           {{"pbrMetallicRoughness", json_object({{"baseColorFactor", color}, {"metallicFactor", 0}, {"roughnessFactor", 1}})},
            {"doubleSided", true}}));
-      const Json primitive = json_object({{"attributes", json_object({{"POSITION", positions}})},
-                                          {"indices", indices},
-                                          {"material", json_["materials"].size() - 1}});
+      Json primitive = json_object({{"attributes", json_object({{"POSITION", positions}})},
+                                    {"indices", indices},
+                                    {"material", json_["materials"].size() - 1}});
+      if (mesh.alpha_mask) add_mask(mesh, primitive);
       node["mesh"] = json_["meshes"].size();
       json_["meshes"].push_back(json_object({{"name", mesh.name}, {"primitives", Json::array({primitive})}}));
     }
@@ -138,6 +181,7 @@ class GltfWriter {
   const Scene& scene_;
   Json json_, punctual_ = Json::array();
   std::vector<std::byte> bytes_;
+  std::map<const AlphaMask*, std::size_t> textures_;
 };
 
 }  // namespace

@@ -5,10 +5,34 @@
 
 namespace gnomon {
 
+namespace {
+
+/// The first word of each alpha mask of a scene in the array of all bits, in the order of the meshes.
+std::map<const AlphaMask*, std::size_t> first_words(const Scene& scene) {
+  std::map<const AlphaMask*, std::size_t> first;
+  std::size_t words = 0;
+  for (const Mesh& mesh : scene.meshes)
+    if (mesh.alpha_mask && first.try_emplace(mesh.alpha_mask.get(), words).second) words += mesh.alpha_mask->bits().size();
+  return first;
+}
+
+Json mask_json(const AlphaMask& mask, std::size_t first_word) {
+  return json_object({{"first_word", first_word},
+                      {"width", mask.width()},
+                      {"height", mask.height()},
+                      {"wrap_u", wrap_name(mask.wrap_u())},
+                      {"wrap_v", wrap_name(mask.wrap_v())},
+                      {"cutoff", number_json(mask.cutoff())}});
+}
+
+}  // namespace
+
 Json scene_facts_json(const Scene& scene) {
   Json json = json_object({{"name", scene.name}, {"ambient", number_json(scene.ambient)}});
   for (const char* list : {"meshes", "lights", "views"}) json[list] = Json::array();
   std::size_t vertex = 0, triangle = 0;
+  const bool has_masks = scene.has_alpha_masks();
+  const auto words = first_words(scene);
   for (const Mesh& mesh : scene.meshes) {
     json["meshes"].push_back(json_object({{"name", mesh.name},
                                           {"casts", mesh.casts},
@@ -19,6 +43,9 @@ Json scene_facts_json(const Scene& scene) {
                                           {"vertices", mesh.positions.size()},
                                           {"first_triangle", triangle},
                                           {"triangles", mesh.triangles.size()}}));
+    if (has_masks)
+      json["meshes"].back()["alpha_mask"] =
+          mesh.alpha_mask ? mask_json(*mesh.alpha_mask, words.at(mesh.alpha_mask.get())) : Json();
     vertex += mesh.positions.size();
     triangle += mesh.triangles.size();
   }
@@ -35,14 +62,27 @@ SceneArrays::SceneArrays(const Scene& scene) {
     for (const glm::uvec3& corners : mesh.triangles) triangles_.push_back(corners + first);
     meshes_.insert(meshes_.end(), mesh.triangles.size(), m);
   }
+  if (!scene.has_alpha_masks()) return;
+  const auto words = first_words(scene);
+  for (const Mesh& mesh : scene.meshes) {
+    uv_.insert(uv_.end(), mesh.uv.begin(), mesh.uv.end());
+    uv_.resize(uv_.size() + mesh.positions.size() - mesh.uv.size());  // of a mesh without a mask: zeros
+    if (mesh.alpha_mask && words.at(mesh.alpha_mask.get()) == bits_.size())
+      bits_.insert(bits_.end(), mesh.alpha_mask->bits().begin(), mesh.alpha_mask->bits().end());
+  }
 }
 
 Arrays SceneArrays::arrays() const {
   const auto floats = std::span(reinterpret_cast<const float*>(positions_.data()), 3 * positions_.size());
   const auto corners = std::span(reinterpret_cast<const std::uint32_t*>(triangles_.data()), 3 * triangles_.size());
-  return {{"position", array_of<float>({positions_.size(), 3}, {floats})},
-          {"triangle", array_of<std::uint32_t>({triangles_.size(), 3}, {corners})},
-          {"mesh", array_of<std::uint32_t>({meshes_.size()}, {meshes_})}};
+  Arrays arrays = {{"position", array_of<float>({positions_.size(), 3}, {floats})},
+                   {"triangle", array_of<std::uint32_t>({triangles_.size(), 3}, {corners})},
+                   {"mesh", array_of<std::uint32_t>({meshes_.size()}, {meshes_})}};
+  if (bits_.empty()) return arrays;
+  const auto places = std::span(reinterpret_cast<const float*>(uv_.data()), 2 * uv_.size());
+  arrays.emplace("uv", array_of<float>({uv_.size(), 2}, {places}));
+  arrays.emplace("alpha_mask_bits", array_of<std::uint32_t>({bits_.size()}, {bits_}));
+  return arrays;
 }
 
 Arrays gbuffer_arrays(const GBuffer& g) {

@@ -11,12 +11,19 @@ namespace {
 
 namespace fs = std::filesystem;
 
+/// A reader of a format of which texture coordinates are not read.
+template <MeshFile (*read_shape)(const fs::path& file, const ReadFile& read)>
+MeshFile without_uv(const fs::path& file, const ReadFile& read, bool) {
+  return read_shape(file, read);
+}
+
 struct MeshFormat {
   std::string_view extension;
-  MeshFile (*read)(const fs::path& file, const ReadFile& read);
+  MeshFile (*read)(const fs::path& file, const ReadFile& read, bool with_uv);
 };
-constexpr MeshFormat own_formats[] = {{".ply", read_ply}, {".off", read_off},   {".stl", read_stl},
-                                      {".obj", read_obj}, {".gltf", read_gltf}, {".glb", read_gltf}};
+constexpr MeshFormat own_formats[] = {{".ply", without_uv<read_ply>}, {".off", without_uv<read_off>},
+                                      {".stl", without_uv<read_stl>}, {".obj", read_obj},
+                                      {".gltf", read_gltf},           {".glb", read_gltf}};
 
 const MeshFormat* own_format(const fs::path& file) {
   const auto found = std::ranges::find(own_formats, lower(file.extension().string()), &MeshFormat::extension);
@@ -34,9 +41,9 @@ void MeshFile::note(std::size_t count, std::string_view what) {
   if (count > 0) notes.push_back(fmt::format("{} {}", count, what));
 }
 
-MeshFile read_mesh_file(const fs::path& file, const ReadFile& read) {
+MeshFile read_mesh_file(const fs::path& file, const ReadFile& read, bool with_uv) {
   const MeshFormat* format = own_format(file);
-  MeshFile answer = format ? format->read(file, read) : read_by_assimp(file, read);
+  MeshFile answer = format ? format->read(file, read, with_uv) : read_by_assimp(file, read);
   for (ImportedMesh& mesh : answer.meshes)
     if (mesh.places.empty()) mesh.places = {glm::dmat4(1)};  // formats without nodes
   return answer;
@@ -44,6 +51,24 @@ MeshFile read_mesh_file(const fs::path& file, const ReadFile& read) {
 
 bool has_mesh_format(const fs::path& file) {
   return own_format(file) || (file.has_extension() && Assimp::Importer().IsExtensionSupported(file.extension().string()));
+}
+
+std::uint32_t add_image_file(MeshFile& answer, const fs::path& file, const ReadFile& read, bool is_gray_alpha) {
+  const auto number = static_cast<std::uint32_t>(answer.mask_images.size());
+  MaskImage& image = answer.mask_images.emplace_back();
+  image.name = file.string();
+  image.is_gray_alpha = is_gray_alpha;
+  std::error_code code;
+  if (fs::is_directory(file, code)) {
+    image.failure = fmt::format("{} is a directory, not an image", image.name);
+    return number;
+  }
+  try {
+    image.bytes = read(file);
+  } catch (const Error& error) {
+    image.failure = error.what();
+  }
+  return number;
 }
 
 void need_vertex(const std::string& where, std::size_t face, double index, std::size_t vertex_count) {

@@ -27,9 +27,9 @@ class SceneReader {
  public:
   explicit SceneReader(GltfFile& file) : file_(file), nodes_(file.count("nodes")), hidden_(nodes_.size()) {}
 
-  MeshFile read() {
+  MeshFile read(const ReadFile& read, bool with_uv) {
     read_tree();
-    GltfMeshes meshes(file_, nodes_, answer_);
+    GltfMeshes meshes(file_, read, nodes_, with_uv, answer_);
     for (const std::size_t n : order_) {
       const Json& node = file_.item("nodes", n);
       const std::string where = fmt::format("node {}", n);
@@ -228,10 +228,10 @@ class SceneReader {
 
 }  // namespace
 
-MeshFile read_gltf(const std::filesystem::path& file, const ReadFile& read) {
+MeshFile read_gltf(const std::filesystem::path& file, const ReadFile& read, bool with_uv) {
   try {
     GltfFile gltf(file, read);
-    return gltf.is_version_1() ? read_by_assimp(file, read) : SceneReader(gltf).read();
+    return gltf.is_version_1() ? read_by_assimp(file, read) : SceneReader(gltf).read(read, with_uv);
   } catch (const Json::exception& problem) {
     throw Error("{}: is not sound glTF: {}", file.string(), complaint(problem));
   }

@@ -79,6 +79,11 @@ std::string_view GltfFile::view(std::size_t view, std::size_t& stride) const {
   return std::string_view(bytes).substr(begin, size);
 }
 
+std::string_view GltfFile::bytes(std::size_t index) const {
+  std::size_t stride = 0;
+  return view(index, stride);
+}
+
 void GltfFile::fill(const Layout& layout, std::string_view bytes, std::size_t stride, std::size_t count, double* values) const {
   if (stride == 0) stride = layout.size();
   if (stride < layout.size())

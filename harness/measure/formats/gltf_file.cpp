@@ -57,6 +57,19 @@ std::string percent_decoded(std::string_view uri) {
   return text;
 }
 
+std::optional<std::string> bytes_in_address(const std::string& where, std::string_view uri) {
+  if (!same_word(uri.substr(0, 5), "data:")) return {};
+  const std::size_t comma = uri.find(',');
+  if (comma == uri.npos || !uri.substr(0, comma).ends_with(";base64")) throw Error("{} holds data that are not base64", where);
+  return from_base64(where, percent_decoded(uri.substr(comma + 1)));
+}
+
+fs::path file_beside(const fs::path& file, const std::string& uri) {
+  std::error_code code;
+  const fs::path path = file.parent_path() / percent_decoded(uri), raw = file.parent_path() / uri;
+  return !fs::exists(path, code) && fs::exists(raw, code) ? raw : path;
+}
+
 GltfFile::GltfFile(const fs::path& file, const ReadFile& read) : name_(file.string()) {
   open(file, read);
   if (!is_version_1_) check_version();
@@ -131,15 +144,11 @@ void GltfFile::read_buffers(const fs::path& file, const ReadFile& read) {
     const std::string uri = text(buffer, "uri");
     const std::size_t size = index(buffer, where, "byteLength").value_or(0);
     std::string& bytes = buffers_.emplace_back();
-    if (same_word(std::string_view(uri).substr(0, 5), "data:")) {
-      const std::size_t comma = uri.find(',');
-      const std::string_view head = std::string_view(uri).substr(0, comma);
-      if (comma == uri.npos || !head.ends_with(";base64")) throw Error("{}: {} holds data that are not base64", name_, where);
-      bytes = from_base64(fmt::format("{}: {}", name_, where), percent_decoded(std::string_view(uri).substr(comma + 1)));
+    if (auto data = bytes_in_address(fmt::format("{}: {}", name_, where), uri)) {
+      bytes = std::move(*data);
     } else if (!uri.empty()) {
       std::error_code code;
-      fs::path path = file.parent_path() / percent_decoded(uri);
-      if (const fs::path raw = file.parent_path() / uri; !fs::exists(path, code) && fs::exists(raw, code)) path = raw;
+      const fs::path path = file_beside(file, uri);
       if (!fs::is_regular_file(path, code))
         throw Error("{}: its buffer {} {}", name_, path.string(),
                     fs::exists(path, code) ? "is no regular file" : "does not exist");

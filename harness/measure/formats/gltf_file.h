@@ -60,6 +60,8 @@ class GltfFile {
   Numbers read(std::size_t accessor, std::size_t width) const;
   /// Of whole numbers without sign: indices, joints. The largest number of its type goes to `largest`.
   Numbers read_indices(std::size_t accessor, std::size_t width, double& largest) const;
+  /// The bytes of a buffer view.
+  std::string_view bytes(std::size_t view) const;
 
  private:
   struct Layout;
@@ -85,5 +87,9 @@ class GltfFile {
 std::string from_base64(const std::string& where, std::string_view text);
 /// "my buf.bin" of "my%20buf.bin".
 std::string percent_decoded(std::string_view uri);
+/// The bytes of a data URI; nothing where the address is another. Throws Error, opening with `where`.
+std::optional<std::string> bytes_in_address(const std::string& where, std::string_view uri);
+/// The file that an address names, beside `file`.
+std::filesystem::path file_beside(const std::filesystem::path& file, const std::string& uri);
 
 }  // namespace gnomon::importing

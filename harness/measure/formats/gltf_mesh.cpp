@@ -44,9 +44,11 @@ void drop_unused_vertices(ImportedMesh& mesh) {
   for (std::size_t v = 0; v < place.size(); ++v) {
     if (place[v] == unused) continue;
     mesh.positions[count] = mesh.positions[v];
+    if (!mesh.uv.empty()) mesh.uv[count] = mesh.uv[v];
     place[v] = count++;
   }
   mesh.positions.resize(count);
+  if (!mesh.uv.empty()) mesh.uv.resize(count);
   for (std::uint32_t& corner : mesh.corners) corner = place[corner];
 }
 
@@ -205,9 +207,9 @@ void GltfMeshes::add_faces(const Primitive& primitive, std::size_t vertex_count,
       mesh.add_triangle(corners[i], corners[i + 1 + i % 2], corners[i + 2 - i % 2]);
 }
 
-void GltfMeshes::read_material(const Primitive& primitive, ImportedMesh& mesh) const {
+void GltfMeshes::read_material(const Primitive& primitive, ImportedMesh& mesh) {
   const auto index = file_.index(primitive.json, primitive.where, "material");
-  if (!index) return;
+  if (!index) return add_uv(primitive, nullptr, mesh);
   const Json& material = file_.item("materials", *index);
   const std::string where = fmt::format("material {}", *index);
   const Json none = Json::object();
@@ -217,18 +219,41 @@ void GltfMeshes::read_material(const Primitive& primitive, ImportedMesh& mesh) c
   const std::vector<double> factor = file_.numbers(colors, where, glossy ? "diffuseFactor" : "baseColorFactor", 4);
   mesh.has_color = true;
   mesh.color = factor.empty() ? glm::vec3(1) : glm::vec3(factor[0], factor[1], factor[2]);
-  mesh.has_texture = colors.contains(glossy ? "diffuseTexture" : "baseColorTexture");
+  const char* const texture_key = glossy ? "diffuseTexture" : "baseColorTexture";
+  mesh.has_texture = colors.contains(texture_key);
   const std::string mode = file_.text(material, "alphaMode");
   const double alpha = factor.empty() ? 1 : factor[3];
   const bool blends = mode == "BLEND" ? alpha < 1 : mode == "MASK" && alpha < file_.number(material, where, "alphaCutoff", 0.5);
   const Json* transmission = file_.extension_of(material, "KHR_materials_transmission");
   mesh.is_transparent = blends || (transmission && file_.number(*transmission, where, "transmissionFactor", 0) > 0);
+  const Json* texture = object_in(colors, texture_key);
+  if (mode == "MASK" && texture) mesh.mask = masks_.mask(material, where, *texture, alpha);
+  add_uv(primitive, texture, mesh);
+}
+
+/// The coordinates of the color's image, where a mask needs them or they are wanted; nothing where there are none.
+void GltfMeshes::add_uv(const Primitive& primitive, const Json* texture, ImportedMesh& mesh) {
+  if (!mesh.mask.has_image() && !with_uv_) return;
+  const GltfTextureMap map(file_, primitive.where, texture);
+  if (const auto accessor = attribute(primitive, map.attribute().c_str())) {
+    const Numbers numbers = file_.read(*accessor, 2);
+    if (numbers.count != mesh.positions.size())
+      throw Error("{}: {} has {} vertices and {} texture coordinates", file_.name(), primitive.where, mesh.positions.size(),
+                  numbers.count);
+    mesh.uv = map.uv(numbers);
+  }
+  const auto colors = mesh.mask.has_image() ? attribute(primitive, "COLOR_0") : std::nullopt;
+  if (!colors || file_.text(file_.item("accessors", *colors), "type") != "VEC4") return;
+  const Numbers numbers = file_.read(*colors, 4);
+  for (std::size_t v = 0; v < numbers.count; ++v) vertex_alpha_ += numbers.at(v, 3) != 1;
 }
 
 void GltfMeshes::note() {
   answer_.note(points_and_lines_, "points and lines are left out");
   answer_.note(without_positions_, "primitives have no positions and are left out");
   answer_.note(odd_weights_, "vertices have weights of joints whose sum is not 1, and are used as they are");
+  answer_.note(vertex_alpha_, "vertices of masked meshes have a color with alpha, which is not used");
+  masks_.note();
 }
 
 }  // namespace gnomon::importing

@@ -1,5 +1,6 @@
 #pragma once
 // The contents of a mesh file, as its reader returns them to the importer: nothing is placed, no face is split.
+#include <gnomon/alpha_mask.h>
 #include <gnomon/error.h>
 
 #include <array>
@@ -15,16 +16,35 @@
 
 namespace gnomon::importing {
 
+/// An image whose alpha says where meshes are solid.
+struct MaskImage {
+  std::string name;            ///< its file, or the file and the place in it
+  std::string bytes;           ///< as the file has them; none is left when it is decoded
+  bool is_gray_alpha = false;  ///< whether brightness counts as alpha where there is no alpha channel
+  std::int32_t width = 0, height = 0;
+  std::vector<std::uint8_t> alpha;  ///< of each texel, the top row first; none: the image has no alpha
+  std::string failure;              ///< why it could not be decoded
+};
+/// How a material makes a mask of an image; see AlphaMask.
+struct ImportedMask {
+  static constexpr std::uint32_t no_image = 0xffffffffu;
+  std::uint32_t image = no_image;  ///< of MeshFile::mask_images
+  float factor = 1, cutoff = 0.5f;
+  AlphaMask::Wrap wrap_u = AlphaMask::Wrap::repeat, wrap_v = AlphaMask::Wrap::repeat;
+  bool has_image() const { return image != no_image; }
+};
 /// What is used of a material.
 struct ImportedMaterial {
   bool has_color = false, has_texture = false, is_transparent = false;
   glm::vec3 color{0};  ///< diffuse, when has_color
+  ImportedMask mask;
 };
 /// A mesh with its material, and its places: one for each node that has it.
 struct ImportedMesh : ImportedMaterial {
   std::string name;
   std::vector<glm::dmat4> places;  ///< world from mesh
   std::vector<glm::dvec3> positions;
+  std::vector<glm::vec2> uv;                 ///< one per position, (0, 0) at the image's top left; none unless wanted
   std::vector<std::uint32_t> corner_counts;  ///< one per face
   std::vector<std::uint32_t> corners;        ///< vertex indices of all faces, one after the other
 
@@ -50,6 +70,7 @@ struct MeshFile {
   std::vector<ImportedMesh> meshes;
   std::vector<ImportedCamera> cameras;
   std::vector<ImportedLight> lights;
+  std::vector<MaskImage> mask_images;
   std::vector<std::string> notes;  ///< what the file contains and the scene does not: "3 camera elements are left out"
   std::string failure;             ///< why nothing could be read; empty where something was
 
@@ -61,12 +82,14 @@ struct MeshFile {
 void visit_file(auto& io, auto& file) {
   io.list(file.meshes, [](auto& sub, auto& mesh) {
     sub(mesh.name, mesh.places, mesh.has_color, mesh.has_texture, mesh.is_transparent, mesh.color, mesh.positions,
-        mesh.corner_counts, mesh.corners);
+        mesh.corner_counts, mesh.corners, mesh.mask, mesh.uv);
   });
   io.list(file.cameras, [](auto& sub, auto& camera) { sub(camera.name, camera.eye, camera.forward, camera.up, camera.fov_y); });
   io.list(file.lights, [](auto& sub, auto& light) {
     sub(light.name, light.kind, light.position, light.direction, light.inner, light.outer, light.intensity);
   });
+  io.list(file.mask_images,
+          [](auto& sub, auto& image) { sub(image.name, image.width, image.height, image.alpha, image.failure); });
   io.list(file.notes, [](auto& sub, auto& note) { sub(note); });
   io(file.failure);
 }
@@ -76,7 +99,9 @@ using ReadFile = std::function<std::string(const std::filesystem::path& file)>;
 
 /// Reads a mesh file with the reader of its format, which follows from its extension. Throws Error: file, line or element,
 /// which value, what is allowed. May crash on damaged files of the formats that have no reader of their own (see formats.cpp).
-MeshFile read_mesh_file(const std::filesystem::path& file, const ReadFile& read);
+/// Texture coordinates are read for meshes with a mask, and for all where `with_uv`, of the formats that have them. Images stay
+/// encoded.
+MeshFile read_mesh_file(const std::filesystem::path& file, const ReadFile& read, bool with_uv = false);
 /// Whether files of this name are read.
 bool has_mesh_format(const std::filesystem::path& file);
 

@@ -3,10 +3,10 @@
 // Source: Wavefront, "Object Files (.obj)" and "Material Library File (.mtl)", Advanced Visualizer manual, appendix B1.
 #include <algorithm>
 #include <charconv>
-#include <map>
-#include <set>
+#include <cmath>
 #include <unordered_map>
 
+#include "measure/formats/obj_materials.h"
 #include "measure/formats/readers.h"
 #include "measure/formats/text_lines.h"
 
@@ -15,144 +15,53 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// What is used of an OBJ's materials.
-class ObjMaterials {
- public:
-  ObjMaterials(const fs::path& file, const ReadFile& read) : file_(file), read_(read) {}
-
-  /// The files behind `mtllib`: one whose name may contain blanks, or several. Those that are missing are noted.
-  void add_library(const std::string& names, MeshFile& answer);
-  /// Color, texture and transparency of the material of this name; nothing where there is none.
-  void apply(const std::string& name, ImportedMesh& mesh);
-  /// Materials that no library has.
-  void note(MeshFile& answer) const;
-
- private:
-  void read_library(const fs::path& file, MeshFile& answer);
-
-  const fs::path& file_;
-  const ReadFile& read_;
-  std::map<std::string, ImportedMaterial> materials_;
-  std::set<std::string> missing_, read_before_;
-  std::vector<std::string> missing_libraries_;
-};
-
-void ObjMaterials::add_library(const std::string& names, MeshFile& answer) {
-  std::error_code code;
-  const auto path_of = [&](std::string name) {
-    if (name.size() > 1 && name.front() == '"' && name.back() == '"') name = name.substr(1, name.size() - 2);
-    if (!fs::exists(file_.parent_path() / name, code))
-      for (char& c : name)  // written under Windows
-        if (c == '\\') c = '/';
-    return file_.parent_path() / name;
-  };
-  std::vector<std::string> files{names};
-  if (!fs::exists(path_of(names), code) && names.find(' ') != names.npos) {
-    files.clear();
-    TextLines words(names, names, 0);
-    words.next();
-    for (std::string_view word = words.word(); !word.empty(); word = words.word()) files.emplace_back(word);
-  }
-  for (const std::string& name : files) {
-    if (!read_before_.insert(name).second) continue;
-    if (fs::is_regular_file(path_of(name), code))
-      read_library(path_of(name), answer);
-    else
-      missing_libraries_.push_back(name);
-  }
-}
-
-void ObjMaterials::read_library(const fs::path& file, MeshFile& answer) {
-  const std::string name = file.string(), bytes = read_(file);
-  TextLines lines(name, without_byte_order_mark(name, bytes), '#', true);
-  ImportedMaterial* material = nullptr;
-  std::size_t spectral = 0;
-  while (lines.next()) {
-    const std::string word = lower(lines.word());
-    if (word == "newmtl") {
-      material = &materials_[std::string(lines.rest())];
-    } else if (!material) {
-      continue;
-    } else if (word == "kd") {
-      const std::string_view first = lines.word();
-      if (first == "spectral" || first == "xyz") {
-        ++spectral;
-        continue;
-      }
-      // One number is for all three.
-      const auto red = static_cast<float>(lines.number(first));
-      material->has_color = true;
-      material->color = glm::vec3(red);
-      for (int k = 1; k < 3 && lines.words_left() > 0; ++k) material->color[k] = lines.real();
-    } else if (word == "d" || word == "tr") {
-      std::string_view first = lines.word();
-      if (first == "-halo") first = lines.word();
-      const double value = first.empty() ? (word == "d" ? 1 : 0) : lines.number(first);
-      material->is_transparent |= word == "d" ? value < 1 : value > 0;
-    } else if (word == "map_kd" || word == "map_d") {
-      material->has_texture = true;
-    }
-  }
-  answer.note(spectral, "colors of materials are spectral or XYZ and not used");
-}
-
-void ObjMaterials::apply(const std::string& name, ImportedMesh& mesh) {
-  if (name.empty()) return;
-  if (const auto found = materials_.find(name); found != materials_.end())
-    static_cast<ImportedMaterial&>(mesh) = found->second;
-  else
-    missing_.insert(name);
-}
-
-void ObjMaterials::note(MeshFile& answer) const {
-  if (!missing_libraries_.empty())
-    answer.note(
-        missing_libraries_.size(),
-        fmt::format("libraries of materials are not there, or no regular files ('{}' is one)", missing_libraries_.front()));
-  if (!missing_.empty())
-    answer.note(missing_.size(),
-                fmt::format("materials are in no library ('{}' is one); their color is not known", *missing_.begin()));
-}
-
 // What a line may open with beside v, f, o, g, usemtl, mtllib, p and l.
-constexpr std::string_view no_geometry[] = {"vn",       "vt",     "vp",     "s",      "mg",         "bevel",     "c_interp",
-                                            "d_interp", "lod",    "maplib", "usemap", "shadow_obj", "trace_obj", "ctech",
-                                            "stech",    "cstype", "deg",    "bmat",   "step",       "parm",      "trim",
-                                            "hole",     "scrv",   "sp",     "end",    "con"};
+constexpr std::string_view no_geometry[] = {"vn",     "vp",     "s",      "mg",         "bevel",     "c_interp", "d_interp",
+                                            "lod",    "maplib", "usemap", "shadow_obj", "trace_obj", "ctech",    "stech",
+                                            "cstype", "deg",    "bmat",   "step",       "parm",      "trim",     "hole",
+                                            "scrv",   "sp",     "end",    "con"};
 constexpr std::string_view free_form[] = {"curv", "curv2", "surf", "bsp", "bzp", "cdc", "cdp", "res"};
 constexpr std::string_view foreign_file[] = {"call", "csh"};
 
-/// The first number of "7", "7/1", "-2//3", 0 where it exceeds 64 bits; the others must be numbers, or missing.
-std::int64_t vertex_number(std::string_view word, const TextLines& lines) {
+/// The first two numbers of "7", "7/1", "-2//3": those of a vertex and of its texture coordinate, 0 where there is none. The
+/// third must be a number, or missing. The vertex is 0 where a number exceeds 64 bits.
+struct CornerNumbers {
+  std::int64_t vertex = 0, place = 0;
+};
+CornerNumbers corner_numbers(std::string_view word, const TextLines& lines) {
   std::string_view rest = word;
-  std::int64_t number = 0;
+  CornerNumbers numbers;
   for (int k = 0; k < 3; ++k) {
     std::int64_t value = 0;
     const auto [end, code] = std::from_chars(rest.data(), rest.data() + rest.size(), value);
-    if (code == std::errc::result_out_of_range) return 0;
+    if (code == std::errc::result_out_of_range) return {};
     if (code != std::errc{} && k == 0) break;
-    if (k == 0) number = value;
+    if (k == 0) numbers.vertex = value;
+    if (k == 1) numbers.place = value;
     rest.remove_prefix(static_cast<std::size_t>(end - rest.data()));
     if (!rest.starts_with('/')) break;
     rest.remove_prefix(1);
   }
   if (!rest.empty()) throw Error("{}: '{}' names no vertex", lines.where(), word);
-  return number;
+  return numbers;
 }
 
 /// The faces of one object, or of one material in it.
 struct Part {
   std::string name, material;
   std::vector<std::int64_t> corners;  ///< numbers of vertices, from 0
+  std::vector<std::int64_t> places;   ///< of each corner the number of its texture coordinate, from 0, or `no_place`
   std::vector<std::uint32_t> corner_counts;
 };
+constexpr std::int64_t no_place = -1;
 
 class ObjReader {
  public:
-  ObjReader(const fs::path& file, const ReadFile& read) : name_(file.string()), materials_(file, read) {}
+  ObjReader(const fs::path& file, const ReadFile& read, std::string_view text, bool with_uv)
+      : name_(file.string()), text_(text), with_uv_(with_uv), materials_(file, read) {}
 
-  MeshFile read(std::string_view text) {
-    TextLines lines(name_, text, '#', true);
+  MeshFile read() {
+    TextLines lines(name_, text_, '#', true);
     while (lines.next()) read_line(lines);
     for (const auto& [index, line] : ahead_)
       if (index >= vertex_count()) note_outside(line, std::to_string(index + 1));
@@ -169,6 +78,7 @@ class ObjReader {
   void read_line(TextLines& lines) {
     const std::string_view first = lines.word();
     if (first == "v") return read_vertex(lines);
+    if (first == "vt") return void(++place_count_);
     if (first == "f" || first == "fo") return read_face(lines);
     if (first == "o" || first == "g") return begin_object(first == "g", std::string(lines.rest()));
     if (first == "usemtl") return use_material(std::string(lines.rest()));
@@ -199,19 +109,27 @@ class ObjReader {
     if (outside_.empty()) outside_ = fmt::format("{}:{}: face names vertex {}", name_, line, word);
   }
 
+  /// From 0, `no_place` for 0; below that, counted back beyond the first.
+  std::int64_t place_of(std::int64_t number) const {
+    if (number >= 0) return number - 1;
+    return number >= -place_count_ ? place_count_ + number : no_place - 1;
+  }
+
   void read_face(TextLines& lines) {
     Part& part = current();
     std::uint32_t count = 0;
     for (std::string_view word = lines.word(); !word.empty(); word = lines.word()) {
-      const std::int64_t number = vertex_number(word, lines);
+      const auto [number, place] = corner_numbers(word, lines);
       if (number == 0 || number < -vertex_count()) note_outside(lines.line_number(), std::string(word));
       part.corners.push_back(number > 0 ? number - 1 : vertex_count() + number);
+      part.places.push_back(place_of(place));
       if (part.corners.back() >= vertex_count()) ahead_.emplace_back(part.corners.back(), lines.line_number());
       ++count;
     }
     need_corners(lines.where(), part.corner_counts.size(), count);
     if (count < 3) {
       part.corners.resize(part.corners.size() - count);
+      part.places.resize(part.corners.size());
       ++short_faces_;
     } else {
       part.corner_counts.push_back(count);
@@ -233,7 +151,7 @@ class ObjReader {
   }
   void begin_part(const std::string& name) {
     part_ = parts_.size();
-    parts_.push_back({.name = name, .material = material_, .corners = {}, .corner_counts = {}});
+    parts_.push_back({.name = name, .material = material_, .corners = {}, .places = {}, .corner_counts = {}});
   }
   Part& current() {
     if (parts_.empty()) begin_object(false, "");
@@ -246,13 +164,22 @@ class ObjReader {
     parts_[part_].material = name;
   }
 
-  /// Vertices in the order of the faces that use them.
   void finish(Part& part) {
     if (part.corner_counts.empty()) return;
     ImportedMesh& mesh = answer_.meshes.emplace_back();
     mesh.name = part.name;
     mesh.corner_counts = std::move(part.corner_counts);
     mesh.corners.reserve(part.corners.size());
+    materials_.apply(part.material, mesh, answer_);
+    const bool has_places = std::ranges::any_of(part.places, [](std::int64_t place) { return place != no_place; });
+    if ((mesh.mask.has_image() || with_uv_) && has_places)
+      add_places(part, mesh);
+    else
+      add_vertices(part, mesh);
+  }
+
+  /// Vertices in the order of the faces that use them.
+  void add_vertices(const Part& part, ImportedMesh& mesh) {
     place_.resize(positions_.size(), unused);
     for (const std::int64_t corner : part.corners) {
       std::uint32_t& place = place_[static_cast<std::size_t>(corner)];
@@ -263,7 +190,36 @@ class ObjReader {
       mesh.corners.push_back(place);
     }
     for (const std::int64_t corner : part.corners) place_[static_cast<std::size_t>(corner)] = unused;
-    materials_.apply(part.material, mesh);
+  }
+
+  /// The same where a vertex with two texture coordinates is two. One without any gets no numbers.
+  void add_places(const Part& part, ImportedMesh& mesh) {
+    read_places();
+    std::unordered_map<std::int64_t, std::uint32_t> known;
+    for (std::size_t c = 0; c < part.corners.size(); ++c) {
+      const std::int64_t corner = part.corners[c], place = part.places[c];
+      if (place >= place_count_ || place < no_place)
+        throw Error("{}: mesh '{}', corner {}: texture coordinate {} is out of range: allowed are 1 .. {}, or counted back",
+                    name_, part.name, c, place < no_place ? "before the first" : std::to_string(place + 1), place_count_);
+      const auto count = static_cast<std::uint32_t>(mesh.positions.size());
+      const auto [vertex, is_new] = known.emplace(corner * (place_count_ + 1) + place + 1, count);
+      if (is_new) {
+        mesh.positions.push_back(positions_[static_cast<std::size_t>(corner)]);
+        mesh.uv.push_back(place == no_place ? glm::vec2(NAN) : uv_[static_cast<std::size_t>(place)]);
+      }
+      mesh.corners.push_back(vertex->second);
+    }
+  }
+
+  /// v runs upwards in the file: 1 - v is in double, rounded once.
+  void read_places() {
+    if (!uv_.empty()) return;
+    TextLines lines(name_, text_, '#', true);
+    while (lines.next()) {
+      if (lines.word() != "vt") continue;
+      const double u = lines.number(), v = lines.words_left() > 0 ? lines.number() : 0;
+      uv_.emplace_back(glm::dvec2(u, 1 - v));
+    }
   }
 
   void note() {
@@ -280,9 +236,13 @@ class ObjReader {
   static constexpr std::uint32_t unused = 0xffffffffu;
 
   const std::string name_;
+  const std::string_view text_;
+  const bool with_uv_;
   ObjMaterials materials_;
   MeshFile answer_;
   std::vector<glm::dvec3> positions_;
+  std::int64_t place_count_ = 0;  ///< lines of texture coordinates so far
+  std::vector<glm::vec2> uv_;     ///< those, read where a mesh needs them
   std::vector<Part> parts_;
   std::unordered_map<std::string, std::size_t> objects_;  ///< by name, the first part
   std::size_t part_ = 0;
@@ -295,9 +255,9 @@ class ObjReader {
 
 }  // namespace
 
-MeshFile read_obj(const fs::path& file, const ReadFile& read) {
+MeshFile read_obj(const fs::path& file, const ReadFile& read, bool with_uv) {
   const std::string name = file.string(), bytes = read(file);
-  return ObjReader(file, read).read(without_byte_order_mark(name, bytes));
+  return ObjReader(file, read, without_byte_order_mark(name, bytes), with_uv).read();
 }
 
 }  // namespace gnomon::importing

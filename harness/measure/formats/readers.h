@@ -8,9 +8,9 @@ namespace gnomon::importing {
 MeshFile read_ply(const std::filesystem::path& file, const ReadFile& read);
 MeshFile read_off(const std::filesystem::path& file, const ReadFile& read);
 MeshFile read_stl(const std::filesystem::path& file, const ReadFile& read);
-MeshFile read_obj(const std::filesystem::path& file, const ReadFile& read);
+MeshFile read_obj(const std::filesystem::path& file, const ReadFile& read, bool with_uv);
 /// glTF and GLB 2; those of version 1 go to `read_by_assimp`.
-MeshFile read_gltf(const std::filesystem::path& file, const ReadFile& read);
+MeshFile read_gltf(const std::filesystem::path& file, const ReadFile& read, bool with_uv);
 /// Any other format.
 MeshFile read_by_assimp(const std::filesystem::path& file, const ReadFile& read);
 
@@ -21,5 +21,8 @@ inline std::uint32_t word_at(std::string_view bytes, std::size_t offset) {
     word |= static_cast<std::uint32_t>(static_cast<unsigned char>(bytes[offset + k])) << (8 * k);
   return word;
 }
+
+/// Adds an image file to those of the answer and returns its number. An image that cannot be read has the reason in `failure`.
+std::uint32_t add_image_file(MeshFile& answer, const std::filesystem::path& file, const ReadFile& read, bool is_gray_alpha);
 
 }  // namespace gnomon::importing

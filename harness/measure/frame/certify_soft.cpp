@@ -80,6 +80,9 @@ SoftCertificate certify_soft(const Scene& scene, const Light& light, const GBuff
   if (!has_area(light)) throw Error("light {} is a {} light, it has no area", light.name, kind_name(light));
   if (gbuffer.truth == Truth::shape && scene.has_curved_shapes())
     throw Error("scene {} has exact curved shapes, only a G-buffer of mesh truth can be certified", scene.name);
+  if (!features_of(scene).empty())
+    throw Error("scene {} has casters with holes (alpha masks), under light {} only casters without can be certified",
+                scene.name, light.name);
   SoftCertificate result{.scene = scene.name, .light = light.name, .view = gbuffer.view.name, .reference = options.reference};
   result.target = options.target;
   result.false_alarm = options.false_alarm;

@@ -244,7 +244,7 @@ Reference FrameStore::reference(const FrameKey& key, const Light& light, const A
 }
 
 Support reference_support(const Scene& scene, const Light& light, const View& view) {
-  const Support support = registry().reference().make()->supports(scene, light, view);
+  const Support support = support_of(registry().reference().about, *registry().reference().make(), scene, light, view);
   return support ? support : Support::unsupported(fmt::format("the reference has no answer: {}", support.why()));
 }
 

@@ -1,6 +1,7 @@
 #include "measure/frame/light_rays.h"
 
 #include <gnomon/kit/geometry/across.h>
+#include <gnomon/kit/geometry/holes.h>
 
 #include <algorithm>
 
@@ -25,7 +26,8 @@ LightRays::LightRays(const Scene& scene, const RayScene& casters, const GBuffer&
   center_ = (glm::dvec3(box.min) + glm::dvec3(box.max)) / 2.0;
   // Twice the half diagonal: an exact shape may bulge out of the box of its tessellation.
   radius_ = glm::distance(glm::dvec3(box.min), glm::dvec3(box.max));
-  rounding_ = 16 * 0x1p-24 * extent(scene, light, gbuffer.view);
+  extent_ = extent(scene, light, gbuffer.view);
+  rounding_ = 16 * 0x1p-24 * extent_;
 }
 
 double LightRays::beyond_everything(const glm::dvec3& point) const { return glm::distance(point, center_) + radius_; }
@@ -114,6 +116,39 @@ bool LightRays::triangles_let_through(const Start& start) const {
     }
     from += hit.t + rounding_;
   }
+}
+
+bool LightRays::is_at_hole_border(const Start& start, double aside) const {
+  if (!casters_.has_alpha_masks()) return false;
+  const glm::dvec3 direction = toward_light(start.point), from = start.point + start.ignored * direction;
+  const glm::dvec3 way = light_.w != 0 ? to_light(light_, from) : beyond_everything(from) * direction;
+  // texel_rounding allows a move of 2 * 16 * 2^-24 times the extent: for `aside` meters more the extent grows by 2^19 of them.
+  const double reach = extent_ + aside * 0x1p19;
+  bool is_doubtful = false;
+  for (const RayScene::Met& met : casters_.met(from, way)) {
+    const Mesh& mesh = scene_.meshes[met.mesh];
+    if (met.mesh == gbuffer_.mesh[start.pixel] && met.triangle == gbuffer_.triangle[start.pixel]) continue;
+    const Around found = mesh.alpha_mask ? around(*mesh.alpha_mask, texel_place(mesh, met.triangle, start.point, light_),
+                                                  texel_rounding(mesh, met.triangle, direction, reach))
+                                         : Around::solid;
+    if (found == Around::solid) return false;
+    is_doubtful |= found == Around::both;
+  }
+  return is_doubtful;
+}
+
+std::uint32_t LightRays::masked_mesh_at(const glm::dvec3& point, const glm::dvec3& direction, double reach) const {
+  if (!casters_.has_alpha_masks()) return no_mesh;
+  std::pair<double, std::uint32_t> nearest{INFINITY, no_mesh};
+  for (const RayScene::Met& met : casters_.met(point - reach * direction, 2 * reach * direction)) {
+    const Mesh& mesh = scene_.meshes[met.mesh];
+    if (!mesh.alpha_mask) continue;
+    const Triangle corners = mesh.corners(met.triangle);
+    const glm::dvec3 normal = corners.normal();
+    const double off = glm::dot(normal, glm::dvec3(corners.points[0]) - point) / glm::dot(normal, direction);
+    nearest = std::min(nearest, {std::abs(off), met.mesh});
+  }
+  return nearest.second;
 }
 
 std::vector<std::uint8_t> LightRays::lit(std::span<const Start> starts) const {

@@ -46,6 +46,10 @@ class LightRays {
   /// triangles of shapes on the way are tested.
   bool triangles_let_through(const Start& start) const;
 
+  /// Whether a move by `aside` meters and rounding to float32 decide what the way from `start` to the light meets: at an alpha
+  /// mask both holes and solid texels are within reach of it, and nothing that is solid beyond doubt is on the way.
+  bool is_at_hole_border(const Start& start, double aside) const;
+
   struct Surface {
     std::uint32_t mesh = no_mesh;
     double off = INFINITY;  ///< meters from the point along the line
@@ -54,6 +58,10 @@ class LightRays {
   /// The surface of a caster nearest to `point` on the line through it along the unit vector `direction`, both ways. The
   /// triangles of an exact shape may lie off the surface found.
   Surface surface_at(const glm::dvec3& point, const glm::dvec3& direction) const;
+
+  /// The mesh with an alpha mask that the line through `point` along the unit vector `direction` meets nearest to it and within
+  /// `reach` meters, in a hole, too; no_mesh where there is none.
+  std::uint32_t masked_mesh_at(const glm::dvec3& point, const glm::dvec3& direction, double reach) const;
 
   /// The surface nearest to the light on the line from `point` along the unit vector `to_light`; meters from `point`, negative
   /// behind it, minus infinity when the line meets nothing.
@@ -67,7 +75,7 @@ class LightRays {
   const GBuffer& gbuffer_;
   glm::dvec4 light_;
   glm::dvec3 center_;
-  double radius_, rounding_;
+  double radius_, extent_, rounding_;
 };
 
 /// Mesh of the nearest caster of every pixel that faces the light and is dark in `reference`; no_mesh elsewhere.

@@ -1,6 +1,7 @@
 #include "measure/frame/moved_rays.h"
 
 #include <gnomon/kit/geometry/exact.h>
+#include <gnomon/kit/geometry/holes.h>
 
 #include <algorithm>
 #include <bit>
@@ -79,7 +80,10 @@ std::uint32_t MovedRays::unstable(std::span<const std::size_t> indices) const {
   if (changed != pixels.all) changed |= unstable_from_the_point(pixels);
   const std::uint32_t touches = touching(pixels);
   changed |= those_of(~changed & touches & pixels.dark(), [&](int k) { return is_in_plane_at_start(indices[k]); });
-  return changed | those_of(~changed & pixels.lit, [&](int k) { return is_shaded_at_an_end(indices[k], touches >> k & 1); });
+  changed |= those_of(~changed & pixels.lit, [&](int k) { return is_shaded_at_an_end(indices[k], touches >> k & 1); });
+  if (casters_.has_alpha_masks())
+    changed |= those_of(~changed & pixels.all, [&](int k) { return is_at_hole_border(indices[k]); });
+  return changed;
 }
 
 glm::dvec3 MovedRays::aim(ShadowPacket& packet, int k, const Pixels& pixels, int shift) const {
@@ -191,9 +195,43 @@ bool MovedRays::is_shaded_by_any(std::size_t i, std::span<const RayScene::Met> c
   const Receiver receiver = receiver_at(scene_, gbuffer_, i);
   return std::ranges::any_of(casters, [&](const RayScene::Met& met) {
     const Triangle caster = scene_.meshes[met.mesh].corners(met.triangle);
-    return !receiver.is_own(met.mesh, met.triangle) && crosses({receiver.point, light_}, caster) != Crossing::none &&
-           !receiver.is_coplanar(scene_, caster.points);
+    const Segment segment{receiver.point, light_};
+    return !receiver.is_own(met.mesh, met.triangle) && crosses(segment, caster) != Crossing::none &&
+           !receiver.is_coplanar(scene_, caster.points) && is_solid_at(scene_.meshes[met.mesh], met.triangle, segment);
   });
+}
+
+/// Whether the way of pixel i meets an alpha mask where rounding may take a hole for solid or the other way round, and nothing
+/// that is solid beyond doubt decides it.
+bool MovedRays::is_at_hole_border(std::size_t i) const {
+  const Receiver receiver = receiver_at(scene_, gbuffer_, i);
+  const glm::dvec3 point = receiver.point, way = to_light(light_, point);
+  bool is_doubtful = false;
+  for (const RayScene::Met& met : casters_.met(point, light_.w != 0 ? way : 4 * extent_ * glm::normalize(way))) {
+    const Mesh& mesh = scene_.meshes[met.mesh];
+    const Triangle caster = mesh.corners(met.triangle);
+    if (receiver.is_own(met.mesh, met.triangle) || receiver.is_coplanar(scene_, caster.points)) continue;
+    const Around found = mesh.alpha_mask ? around(*mesh.alpha_mask, texel_place(mesh, met.triangle, point, light_),
+                                                  texel_rounding(mesh, met.triangle, way, extent_))
+                                         : Around::solid;
+    is_doubtful |= found == Around::both;
+    if (found == Around::solid && is_clearly_inside(caster, point, way)) return false;
+  }
+  return is_doubtful;
+}
+
+/// Whether a way meets a triangle with all its edges, and both ends of the way, farther than rho.
+bool MovedRays::is_clearly_inside(const Triangle& triangle, const glm::dvec3& point, const glm::dvec3& way) const {
+  double turn[3];
+  for (int k = 0; k < 3; ++k) {
+    const glm::dvec3 from = glm::dvec3(triangle.points[k]) - point, to = glm::dvec3(triangle.points[(k + 1) % 3]) - point;
+    turn[k] = glm::dot(glm::cross(from, to), way);
+    if (!(std::abs(turn[k]) > rho() * glm::length(glm::cross(to - from, way)))) return false;
+  }
+  if ((turn[0] > 0) != (turn[1] > 0) || (turn[0] > 0) != (turn[2] > 0)) return false;
+  const glm::dvec3 normal = triangle.normal(), first = glm::dvec3(triangle.points[0]) - point;
+  const double t = glm::dot(normal, first) / glm::dot(normal, way), room = rho() / glm::length(way);
+  return t > 4 * room && (light_.w == 0 || t < 1 - room);
 }
 
 }  // namespace gnomon

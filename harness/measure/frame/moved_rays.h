@@ -33,6 +33,8 @@ class MovedRays {
   bool is_shaded_on_the_way(std::size_t i) const;
   bool is_shaded_at_an_end(std::size_t i, bool is_touching) const;
   bool is_at_own_border(std::size_t i) const;
+  bool is_at_hole_border(std::size_t i) const;
+  bool is_clearly_inside(const Triangle& triangle, const glm::dvec3& point, const glm::dvec3& way) const;
   bool is_shaded_by_any(std::size_t i, std::span<const RayScene::Met> casters) const;
 
   const Scene& scene_;

@@ -1,6 +1,5 @@
 #include "measure/picture/picture.h"
 
-#include <dlfcn.h>
 #include <gnomon/kit/irradiance.h>
 #include <gnomon/kit/parallel.h>
 
@@ -118,16 +117,6 @@ Picture draw_layer(std::span<const float> linear, int width, int height, const D
   return with_legend(std::move(picture), legend);
 }
 
-const ImageFiles& image_files() {
-  static const ImageFiles& files = []() -> const ImageFiles& {
-    // Found by the program's own search path, beside the kit.
-    void* module = dlopen("libgnomon_images.so", RTLD_NOW | RTLD_LOCAL);
-    if (!module) throw Error("the image module cannot be loaded: {}", dlerror());
-    return *static_cast<const ImageFiles*>(dlsym(module, "gnomon_image_files"));
-  }();
-  return files;
-}
-
 void write_png(const fs::path& path, const Picture& picture) {
   make_way(path);
   image_files().write_png(path, picture);
@@ -137,10 +126,6 @@ void write_exr(const fs::path& path, int width, int height, std::span<const std:
                std::span<const std::span<const float>> channels) {
   make_way(path);
   image_files().write_exr(path, width, height, names, channels);
-}
-
-std::vector<float> read_exr(const fs::path& path, const std::string& channel, int width, int height) {
-  return image_files().read_exr(path, channel, width, height);
 }
 
 }  // namespace gnomon

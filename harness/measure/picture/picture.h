@@ -1,16 +1,9 @@
 #pragma once
 #include <gnomon/technique.h>
 
-#include <filesystem>
+#include "measure/images/image_files.h"
 
 namespace gnomon {
-
-/// 8-bit sRGB picture, row-major from the top left.
-struct Picture {
-  int width = 0, height = 0;
-  std::vector<std::uint8_t> rgb;
-  int legend_height = 0;  ///< rows at the bottom that hold a legend; files say so, and `exr_size` refuses them as masks
-};
 
 /// Lambert with constant ambient: albedo * (ambient + exposure * irradiance * visibility), sRGB; see exposure_of.
 Picture shade(const Scene& scene, const GBuffer& gbuffer, const Light& light, std::span<const float> visibility);
@@ -33,34 +26,11 @@ Picture draw_soft_mask(std::span<const float> visibility, int width, int height)
 /// legend.
 Picture draw_layer(std::span<const float> linear, int width, int height, const DebugLayer& layer);
 
-/// What needs libraries of pictures, in a module that is loaded at the first use. Files are PNG or EXR by their first bytes;
-/// any other format is read by OpenImageIO, in a module of its own: it brings some 250 libraries along. The functions below say
-/// what each call does.
-struct ImageFiles {
-  void (*write_png)(const std::filesystem::path& path, const Picture& picture);
-  void (*write_exr)(const std::filesystem::path& path, int width, int height, std::span<const std::string> names,
-                    std::span<const std::span<const float>> channels);
-  std::vector<float> (*read_exr)(const std::filesystem::path& path, const std::string& channel, int width, int height);
-  /// Names of the channels of an EXR. Throws Error.
-  std::vector<std::string> (*exr_channels)(const std::filesystem::path& path);
-  /// Width and height in pixels of an image file that may hold a mask. Throws Error, also where a legend is below the
-  /// picture: then it has other rows than the view that it was made of.
-  std::pair<int, int> (*exr_size)(const std::filesystem::path& path);
-  /// Draws a line of dark text with its baseline at (x, y) and returns its width in pixels; on an empty picture, only that.
-  int (*draw_text)(std::span<std::uint8_t> rgb, int width, int height, int x, int y, const std::string& words);
-};
-
-/// Throws Error when the module cannot be loaded.
-const ImageFiles& image_files();
-
 /// PNG. Throws Error when it cannot be written; nothing half-written stays.
 void write_png(const std::filesystem::path& path, const Picture& picture);
 
 /// One float channel per mask, named `names[k]`; zip-compressed half would round visibilities, so float it is.
 void write_exr(const std::filesystem::path& path, int width, int height, std::span<const std::string> names,
                std::span<const std::span<const float>> channels);
-
-/// Reads one channel of an EXR. Throws Error.
-std::vector<float> read_exr(const std::filesystem::path& path, const std::string& channel, int width, int height);
 
 }  // namespace gnomon

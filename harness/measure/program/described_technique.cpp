@@ -176,6 +176,18 @@ std::string_view kept(const Json& text) {
   return all.emplace_back(text.get<std::string>());
 }
 
+/// The same of the features that a data sheet handles. Throws Error on a name that is none.
+std::span<const Feature> kept_features(const Json& names) {
+  static std::deque<std::vector<Feature>> all;
+  std::vector<Feature>& features = all.emplace_back();
+  for (const std::string& name : names.get<std::vector<std::string>>()) {
+    const std::optional<Feature> feature = feature_named(name);
+    if (!feature) throw Error("handles = {} is no feature of scenes", name);
+    features.push_back(*feature);
+  }
+  return features;
+}
+
 void read_facts(const Json& sheet, auto& about) {
   for_each_fact(about, [&](const char* key, auto& fact, [[maybe_unused]] auto... last) {
     if constexpr (sizeof...(last) > 0)
@@ -191,6 +203,8 @@ void read_facts(const Json& sheet, auto& about) {
 
 Json sheet_json(const TechniqueEntry& entry) {
   Json sheet = facts_json(entry);
+  sheet["handles"] = Json::array();
+  for (const Feature feature : entry.about.handles) sheet["handles"].push_back(name(feature));
   sheet["causes"] = Json::array();
   for (const OwnCause& cause : entry.about.causes)
     sheet["causes"].push_back(json_object({{"id", cause.id}, {"sentence", cause.sentence}, {"color", cause.color}}));
@@ -236,6 +250,7 @@ TechniqueEntry described_technique(const Json& sheet, const Json& object, const 
   entry.broken = broken;
   About& about = entry.about;
   read_facts(sheet, about);
+  about.handles = kept_features(sheet.at("handles"));
   static std::deque<std::vector<OwnCause>> all_causes;  // that entries look at
   std::vector<OwnCause>& causes = all_causes.emplace_back();
   for (const Json& cause : sheet.at("causes"))

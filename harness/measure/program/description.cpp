@@ -58,6 +58,12 @@ bool holds(const std::vector<std::string>& words, std::string_view word) {
   return std::ranges::find(words, word) != words.end();
 }
 
+std::vector<std::string> names_of_features() {
+  std::vector<std::string> names;
+  for (const Feature feature : all_features()) names.emplace_back(name(feature));
+  return names;
+}
+
 std::vector<std::string> names_of_stages() { return {std::begin(stage_names), std::end(stage_names)}; }
 
 Stage stage_of(const Table& table) {
@@ -182,9 +188,9 @@ void refuse_control_characters(const toml::table& table, const fs::path& file) {
 std::shared_ptr<const ProgramDescription> read_program(const fs::path& file) {
   const toml::table toml = read_toml("program " + file.string(), file);
   const Table table(toml, file, "program",
-                    {"title",       "summary", "source",    "error",     "fails",      "command",   "stages", "lights",
-                     "approximate", "promise", "sees",      "estimates", "role",       "answers",   "scene",  "gbuffer",
-                     "mask",        "need",    "parameter", "cause",     "rasterizes", "named_only"});
+                    {"title",       "summary", "source",    "error",     "fails",      "command",    "stages", "lights",
+                     "approximate", "promise", "sees",      "estimates", "role",       "answers",    "scene",  "gbuffer",
+                     "mask",        "need",    "parameter", "cause",     "rasterizes", "named_only", "handles"});
   auto made = std::make_shared<ProgramDescription>();
   ProgramDescription& d = *made;
   d.file = file;
@@ -236,6 +242,8 @@ std::shared_ptr<const ProgramDescription> read_program(const fs::path& file) {
   d.about.causes = d.cause_rows;
   d.about.rasterizes = table.flag("rasterizes", false);
   d.about.named_only = table.flag("named_only", false);
+  for (const std::string& word : list("handles", names_of_features(), {})) d.handles.push_back(feature_named(word).value());
+  d.about.handles = d.handles;
   return made;
 }
 

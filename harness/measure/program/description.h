@@ -36,6 +36,7 @@ struct ProgramDescription {
   std::array<bool, 4> has_stage{};            ///< by stage: whether the program does it
   std::vector<std::string> lights;            ///< kinds that it supports
   std::vector<std::string_view> light_kinds;  ///< the same, for `about`
+  std::vector<Feature> handles;               ///< of scenes, for `about`
   std::string approximate;                    ///< why its answers are; empty: they are not
   bool answers_supports = false, explains = false;
   bool wants_gltf = false, wants_scene_arrays = true, wants_gbuffer_exr = false, wants_gbuffer_arrays = true;

@@ -23,7 +23,7 @@ std::string file_stem(const Record& record) {
 Record::SceneFacts facts_of(const Scene& scene) {
   Record::SceneFacts facts{.meshes = scene.meshes.size(), .triangles = scene.triangle_count(), .closed = true};
   for (const Mesh& mesh : scene.meshes) {
-    facts.closed = facts.closed && mesh.facts.closed();
+    facts.closed = facts.closed && mesh.is_closed();
     facts.boundary_edges += mesh.facts.boundary_edge_count;
     facts.nonmanifold_edges += mesh.facts.nonmanifold_edge_count;
     facts.misoriented_edges += mesh.facts.misoriented_edge_count;

@@ -16,6 +16,12 @@ inline constexpr std::string_view coordinate_range = "-1e17 .. 1e17";  ///< the 
 /// Whether all three are finite and within `largest_coordinate`.
 bool is_sound(const glm::dvec3& p);
 
+/// No place in an alpha mask is farther from its corner, in images: a mask of 16384 texels then has 2^34 columns.
+inline constexpr double largest_uv = 1 << 20;
+inline constexpr std::string_view uv_range = "-1048576 .. 1048576";  ///< the same, for messages
+/// Whether both are finite and within `largest_uv`.
+bool is_sound_uv(const glm::vec2& uv);
+
 /// The direction at a length whose squares and cubes stay far within float32. One whose largest component lies in 1e-6 .. 1e6
 /// is as it was; another is divided by the power of ten that brings it to 1 .. 10, so that 1e-38 times [-1, -3, -1] is [-1, -3,
 /// -1]. Zero and what is not finite stay so.

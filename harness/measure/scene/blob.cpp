@@ -8,7 +8,9 @@
 #include <xxhash.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
+#include <map>
 
 #include "measure/part_file.h"
 #include "measure/paths.h"
@@ -18,10 +20,12 @@ namespace gnomon {
 
 namespace {
 
-constexpr std::uint32_t layout_version = 2;
+/// Scenes without alpha masks keep the layout that they had before there were masks, and so their hashes. A program that reads
+/// only that one refuses scenes with masks: it would take them for solid.
+constexpr std::uint32_t solid_layout = 2, masked_layout = 3;
 
-/// The layout, for FieldWriter (const objects) and FieldReader alike.
-void visit_scene(auto& io, auto& scene) {
+/// The layout up to the paths, for FieldWriter (const objects) and FieldReader alike.
+void visit_solid(auto& io, auto& scene) {
   io(scene.name, scene.ambient);
   io.list(scene.meshes, [](auto& sub, auto& mesh) {
     sub(mesh.name, mesh.positions, mesh.triangles, mesh.casts, mesh.receives, mesh.albedo, mesh.facts, mesh.shape);
@@ -30,8 +34,72 @@ void visit_scene(auto& io, auto& scene) {
   io.list(scene.views,
           [](auto& sub, auto& view) { sub(view.name, view.eye, view.target, view.up, view.fov_y_degrees, view.exposure); });
   io.list(scene.notes, [](auto& sub, auto& note) { sub(note); });
-  if (io.has_more(scene.paths))
-    io.list(scene.paths, [](auto& sub, auto& path) { sub(path.name, path.moves, path.positions, path.frame_count); });
+}
+
+void visit_paths(auto& io, auto& paths) {
+  io.list(paths, [](auto& sub, auto& path) { sub(path.name, path.moves, path.positions, path.frame_count); });
+}
+
+/// A mesh with an alpha mask: both by their indices.
+struct Masked {
+  std::uint32_t mesh = 0, mask = 0;
+  std::vector<glm::vec2> uv;
+};
+/// The alpha masks of a scene, each once, in the order of the meshes that have them.
+struct Masks {
+  std::vector<AlphaMask::Parts> masks;
+  std::vector<Masked> meshes;
+};
+
+void visit_masks(auto& io, auto& all) {
+  io.list(all.masks, [](auto& sub, auto& mask) {
+    sub(mask.width, mask.height, mask.wrap_u, mask.wrap_v, mask.factor, mask.cutoff, mask.bits, mask.alpha);
+  });
+  io.list(all.meshes, [](auto& sub, auto& one) { sub(one.mesh, one.mask, one.uv); });
+}
+
+Masks masks_of(const Scene& scene) {
+  Masks all;
+  std::map<const AlphaMask*, std::uint32_t> known;  // never walked through: addresses have no order that repeats
+  for (std::uint32_t m = 0; m < scene.meshes.size(); ++m) {
+    const Mesh& mesh = scene.meshes[m];
+    if (!mesh.alpha_mask) continue;
+    const AlphaMask& mask = *mesh.alpha_mask;
+    const auto [found, is_new] = known.try_emplace(&mask, static_cast<std::uint32_t>(all.masks.size()));
+    if (is_new)
+      all.masks.push_back({mask.width(),
+                           mask.height(),
+                           mask.wrap_u(),
+                           mask.wrap_v(),
+                           mask.factor(),
+                           mask.cutoff(),
+                           {mask.bits().begin(), mask.bits().end()},
+                           {mask.alpha().begin(), mask.alpha().end()}});
+    all.meshes.push_back({m, found->second, mesh.uv});
+  }
+  return all;
+}
+
+void put_masks(Masks all, Scene& scene) {
+  std::vector<std::shared_ptr<const AlphaMask>> masks;
+  for (AlphaMask::Parts& parts : all.masks) masks.push_back(std::make_shared<const AlphaMask>(std::move(parts)));
+  for (Masked& one : all.meshes) {
+    if (one.mesh >= scene.meshes.size())
+      throw Error("scene bytes have an alpha mask for mesh {} of {}", one.mesh, scene.meshes.size());
+    Mesh& mesh = scene.meshes[one.mesh];
+    if (mesh.alpha_mask) throw Error("scene bytes have two alpha masks for mesh {} ({})", one.mesh, mesh.name);
+    if (one.mask >= masks.size())
+      throw Error("scene bytes have alpha mask {} of {} for mesh {} ({})", one.mask, masks.size(), one.mesh, mesh.name);
+    if (one.uv.size() != mesh.positions.size())
+      throw Error("scene bytes have {} uv for the {} vertices of mesh {} ({})", one.uv.size(), mesh.positions.size(), one.mesh,
+                  mesh.name);
+    for (std::size_t v = 0; v < one.uv.size(); ++v)
+      if (!std::isfinite(one.uv[v].x) || !std::isfinite(one.uv[v].y))
+        throw Error("scene bytes have uv = ({}, {}), which is not finite, for vertex {} of mesh {} ({})", one.uv[v].x,
+                    one.uv[v].y, v, one.mesh, mesh.name);
+    mesh.alpha_mask = masks[one.mask];
+    mesh.uv = std::move(one.uv);
+  }
 }
 
 /// A regular file that is open for reading, and its size; closed at the end of the scope. Opening does not wait for a pipe's
@@ -71,8 +139,12 @@ std::string content_hash(const std::string& text) { return content_hash(std::as_
 
 std::vector<std::byte> scene_bytes(const Scene& scene) {
   FieldWriter writer;
-  writer(layout_version);
-  visit_scene(writer, scene);
+  const bool is_masked = scene.has_alpha_masks();
+  writer(is_masked ? masked_layout : solid_layout);
+  visit_solid(writer, scene);
+  if (is_masked || writer.has_more(scene.paths)) visit_paths(writer, scene.paths);
+  const Masks masks = masks_of(scene);
+  if (is_masked) visit_masks(writer, masks);
   return std::move(writer.bytes);
 }
 
@@ -92,9 +164,16 @@ Scene scene_from_bytes(std::span<const std::byte> bytes) {
   FieldReader reader(bytes, "scene bytes end too early");
   std::uint32_t version = 0;
   reader(version);
-  if (version != layout_version) throw Error("scene bytes have layout {}; this program reads {}", version, layout_version);
+  if (version != solid_layout && version != masked_layout)
+    throw Error("scene bytes have layout {}; this program reads {} and {}", version, solid_layout, masked_layout);
+  const bool is_masked = version == masked_layout;
   Scene scene;
-  visit_scene(reader, scene);
+  visit_solid(reader, scene);
+  if (is_masked || reader.has_more(scene.paths)) visit_paths(reader, scene.paths);
+  if (!is_masked) return scene;
+  Masks masks;
+  visit_masks(reader, masks);
+  put_masks(std::move(masks), scene);
   return scene;
 }
 

@@ -6,7 +6,6 @@
 #include <cctype>
 #include <cmath>
 #include <cstdlib>
-#include <fstream>
 #include <iterator>
 #include <limits>
 #include <numbers>
@@ -14,6 +13,7 @@
 #include "measure/paths.h"
 #include "measure/printable.h"
 #include "measure/scene/base_scene.h"
+#include "measure/scene/import_masks.h"
 #include "measure/scene/load.h"
 #include "measure/scene/names.h"
 
@@ -45,32 +45,14 @@ namespace {
 constexpr std::size_t max_triangle_count = 200'000'000;
 
 void check_file(const fs::path& file) {
-  const std::string name = file.string();
-  if (!fs::exists(file)) throw Error("{}: does not exist", name);
-  if (fs::is_directory(file)) throw Error("{}: is a directory, not a mesh file", name);
-  if (!fs::is_regular_file(file)) throw Error("{}: is not a regular file", name);
-  if (!std::ifstream(file)) throw Error("{}: cannot be read (permissions)", name);
-  if (fs::file_size(file) == 0) throw Error("{}: is empty", name);
+  check_readable(file, "a mesh file");
   if (!is_mesh_file_name(file))
     throw Error("{}: extension '{}' is unknown; the importer reads obj, ply, stl, off, gltf, glb, 3ds, ifc, dae and others",
-                name, file.extension().string());
+                file.string(), file.extension().string());
 }
 
 /// Whether this process has threads beside the one that runs.
 bool has_other_threads() { return std::distance(fs::directory_iterator("/proc/self/task"), fs::directory_iterator()) > 1; }
-
-/// The child's answer. While the process has one thread, a plain fork is safe and takes no time. With threads (TBB, GL) a fork
-/// may find locks held for ever by threads that it does not have, so the program starts itself anew with its hidden sub-command
-/// `import-mesh`. A binary of another name (unit tests, users of the library) has no such sub-command: GNOMON_PROGRAM names the
-/// program for it, else it forks all the same.
-std::vector<std::byte> answer_of_child(const fs::path& file) {
-  const std::string name = file.string();
-  if (has_other_threads()) {
-    if (const char* program = std::getenv("GNOMON_PROGRAM")) return output_of_program(name, program, file);
-    if (const fs::path self = program_path(); self.filename() == "gnomon") return output_of_program(name, self, file);
-  }
-  return output_of_fork(name, [&](int out_fd) { return import_child_main(name, out_fd); });
-}
 
 /// How far numbers reach, and whether steps between those that float32 keeps can be seen.
 struct Reach {
@@ -119,7 +101,7 @@ std::vector<std::uint8_t> used_vertices(const std::string& where, const Imported
 }
 
 /// Places the vertices that faces use, and welds them: readers may repeat a vertex for every face; one position becomes one
-/// vertex again. Returns the place in `mesh` of each vertex of the file.
+/// vertex again, of a mesh with a mask where it has one place there. Returns the place in `mesh` of each vertex of the file.
 std::vector<std::uint32_t> place_vertices(const std::string& where, const ImportedMesh& raw, const glm::dmat4& place,
                                           const Placement& placement, NoteCounts& counts, Mesh& mesh) {
   const std::vector<std::uint8_t> used = used_vertices(where, raw);
@@ -136,18 +118,23 @@ std::vector<std::uint32_t> place_vertices(const std::string& where, const Import
     counts.placed.add(placed);
   }
   std::vector<std::uint32_t> welded = weld(positions, used);
+  if (mesh.alpha_mask) {
+    check_uv(where, raw, used);
+    welded = weld_places(welded, raw.uv, used);
+  }
   for (std::uint32_t v = 0; v < welded.size(); ++v) {
     if (!used[v]) continue;
     const bool is_new = welded[v] == v;
     welded[v] = is_new ? static_cast<std::uint32_t>(mesh.positions.size()) : welded[welded[v]];
     if (is_new) mesh.positions.push_back(positions[v]);
+    if (is_new && mesh.alpha_mask) mesh.uv.push_back(raw.uv[v]);
   }
   return welded;
 }
 
 /// Checks, places, welds and triangulates one mesh.
 Mesh convert(const fs::path& file, const ImportedMesh& raw, const glm::dmat4& place, const Placement& placement,
-             NoteCounts& counts) {
+             FileMasks& masks, NoteCounts& counts) {
   Mesh mesh;
   mesh.name = printable(raw.name.empty() ? file.stem().string() : raw.name, true);
   const auto is_share = [](float x) { return x >= 0 && x <= 1; };
@@ -155,6 +142,7 @@ Mesh convert(const fs::path& file, const ImportedMesh& raw, const glm::dmat4& pl
   if (raw.has_color && is_albedo) mesh.albedo = raw.color;
   counts.odd_colors += raw.has_color && !is_albedo;
   const std::string where = fmt::format("{}: mesh '{}'", file.string(), mesh.name);
+  mesh.alpha_mask = masks.mask(where, raw);
   const std::vector<std::uint32_t> welded = place_vertices(where, raw, place, placement, counts, mesh);
 
   auto corner = raw.corners.begin();
@@ -169,6 +157,10 @@ Mesh convert(const fs::path& file, const ImportedMesh& raw, const glm::dmat4& pl
     // Corners that fell together took triangles with them: triangles without area fill the gap, and are dropped and counted
     // with all others.
     mesh.triangles.resize(std::max(mesh.triangles.size(), before + count - 2), glm::uvec3(face[0]));
+  }
+  if (mesh.alpha_mask) {
+    masks.drop_duplicates(mesh);
+    return mesh;
   }
   if (raw.has_texture) counts.textured += mesh.triangles.size();
   if (raw.is_transparent) counts.transparent += mesh.triangles.size();
@@ -245,24 +237,38 @@ void add_light(const fs::path& file, const ImportedLight& raw, const Placement& 
 
 bool is_mesh_file_name(const fs::path& file) { return has_mesh_format(file); }
 
-void import_file(const fs::path& file, const Placement& placement, Scene& scene) {
-  check_file(file);
-  add_imported(file, answer_of_child(file), placement, scene);
+/// The child's answer. While the process has one thread, a plain fork is safe and takes no time. With threads (TBB, GL) a fork
+/// may find locks held for ever by threads that it does not have, so the program starts itself anew with its hidden sub-command
+/// `import-mesh`. A binary of another name (unit tests, users of the library) has no such sub-command: GNOMON_PROGRAM names the
+/// program for it, else it forks all the same.
+std::vector<std::byte> importing::answer_of_child(const fs::path& file, bool with_uv) {
+  const std::string name = file.string();
+  if (has_other_threads()) {
+    if (const char* program = std::getenv("GNOMON_PROGRAM")) return output_of_program(name, program, file, with_uv);
+    if (const fs::path self = program_path(); self.filename() == "gnomon") return output_of_program(name, self, file, with_uv);
+  }
+  return output_of_fork(name, [&](int out_fd) { return import_child_main(name, out_fd, with_uv); });
 }
 
-void importing::add_imported(const fs::path& file, std::span<const std::byte> answer, const Placement& placement,
-                             Scene& scene) {
+void import_file(const fs::path& file, const Placement& placement, Scene& scene, const MaskChoice& masks) {
+  check_file(file);
+  add_imported(file, answer_of_child(file, masks.are_used && masks.image), placement, scene, masks);
+}
+
+void importing::add_imported(const fs::path& file, std::span<const std::byte> answer, const Placement& placement, Scene& scene,
+                             const MaskChoice& mask_choice) {
   FieldReader reader(answer, file.string() + ": the importer's answer breaks off");
   MeshFile raw;
   visit_file(reader, raw);
   if (!raw.failure.empty()) throw Error("{}", raw.failure);
 
+  FileMasks masks(file, raw, mask_choice, scene);
   NoteCounts counts;
   std::size_t triangle_count = 0;
   Bounds bounds;
   for (const ImportedMesh& raw_mesh : raw.meshes)
     for (const glm::dmat4& place : raw_mesh.places) {
-      Mesh mesh = convert(file, raw_mesh, place, placement, counts);
+      Mesh mesh = convert(file, raw_mesh, place, placement, masks, counts);
       triangle_count += mesh.triangles.size();
       if (triangle_count > max_triangle_count) throw Error("{}: more than {} triangles", file.string(), max_triangle_count);
       if (mesh.triangles.empty()) continue;
@@ -281,6 +287,7 @@ void importing::add_imported(const fs::path& file, std::span<const std::byte> an
   note(counts.odd_colors, "meshes have a color outside of 0 .. 1, in place of which they have the usual one");
   note(counts.textured, "triangles have textures, which are not used: cut-out leaves and grids are opaque");
   note(counts.transparent, "triangles are of transparent material and stop light all the same");
+  masks.finish(name, scene);
   for (const Reach* reach : {&counts.raw, &counts.placed})
     if (reach->is_coarse() && (reach->is_float || reach == &counts.placed)) {
       scene.notes.push_back(fmt::format("{}: coordinates lie up to {:.3g} from the origin, where float32 keeps steps of {:.2g}",

@@ -14,20 +14,35 @@
 
 namespace gnomon::importing {
 
-// What the child may take, beside what its parent had: processor time, and memory.
+// What the child may take, beside what its parent had: processor time, and memory. So many pixels of an image count as a byte.
 inline constexpr unsigned least_import_seconds = 10, import_seconds_per_megabyte = 10;
 inline constexpr std::uint64_t least_import_memory = 400 << 20, import_memory_factor = 256;  ///< bytes, for each byte of a file
+inline constexpr std::uint64_t pixels_per_byte = 16;
+
+/// Set to 1 for a child that reads texture coordinates of all meshes, not of those alone whose materials have a mask.
+inline constexpr const char* uv_variable = "GNOMON_IMPORT_UV";
 
 /// Runs `body` in a forked child and returns all that it wrote to `out_fd`. Throws Error, opening with `what`, when the child
 /// crashes, aborts, exceeds its time or memory, or returns anything but 0.
 std::vector<std::byte> output_of_fork(const std::string& what, const std::function<int(int out_fd)>& body);
 /// The same for another program: `program import-mesh file 3`, where 3 is the descriptor to write to.
 std::vector<std::byte> output_of_program(const std::string& what, const std::filesystem::path& program,
-                                         const std::filesystem::path& file);
+                                         const std::filesystem::path& file, bool with_uv = false);
+/// What a child answers for a file.
+std::vector<std::byte> answer_of_child(const std::filesystem::path& file, bool with_uv = false);
 
 /// Checks, places and splits what the child answered, and adds it to the scene. Throws Error.
 void add_imported(const std::filesystem::path& file, std::span<const std::byte> answer, const Placement& placement,
-                  Scene& scene);
+                  Scene& scene, const MaskChoice& masks = {});
+
+/// Replaces an image's bytes by its alpha; `make_room` gets its size before memory is taken. An image that cannot be decoded
+/// has the reason in `failure`.
+void decode(MaskImage& image, const std::function<void(std::uint64_t pixels)>& make_room);
+/// The alpha of an image file, or its brightness where it has none. A child reads it. Throws Error.
+MaskImage read_mask_image(const std::filesystem::path& file);
+/// Throws Error where a file is missing, empty, no regular file, or may not be read. `what` it should be: "a mesh file", "an
+/// image".
+void check_readable(const std::filesystem::path& file, std::string_view what);
 
 /// Appends the triangles of a polygon: a fan where it is convex, ear clipping where it is not. Returns false, and appends a
 /// fan, where the polygon is not simple. `corners` index `positions`, in range; fewer than three distinct ones give nothing.
@@ -39,7 +54,8 @@ bool triangulate(std::span<const glm::vec3> positions, std::span<const std::uint
 namespace gnomon {
 
 /// Body of the program's hidden sub-command `import-mesh FILE FD`: reads the file, sends what it finds to `out_fd`. Returns the
-/// exit status.
-int import_child_main(const std::string& file, int out_fd);
+/// exit status. A file that is no mesh file by its name is an image for a mask. Texture coordinates are sent of all meshes
+/// where `with_uv`, or the environment has `uv_variable`.
+int import_child_main(const std::string& file, int out_fd, bool with_uv = false);
 
 }  // namespace gnomon

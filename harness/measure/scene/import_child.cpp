@@ -9,6 +9,7 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <cstdlib>
 #include <cstring>
 #include <fstream>
 #include <new>
@@ -84,6 +85,10 @@ class Limits {
   void add_file(const fs::path& file, std::uint64_t size) {
     if (!known_.insert(file).second) return;
     bytes_ += size;
+    set();
+  }
+  void add_pixels(std::uint64_t count) {
+    bytes_ += count / pixels_per_byte;
     set();
   }
   std::uint64_t megabytes() const { return memory() >> 20; }
@@ -162,7 +167,7 @@ std::vector<std::byte> importing::output_of_fork(const std::string& what, const 
 }
 
 std::vector<std::byte> importing::output_of_program(const std::string& what, const std::filesystem::path& program,
-                                                    const std::filesystem::path& file) {
+                                                    const std::filesystem::path& file, bool with_uv) {
   Pipe pipe(what);
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
@@ -172,22 +177,36 @@ std::vector<std::byte> importing::output_of_program(const std::string& what, con
   const std::string name = file.string();  // as it is written: errors name it so
   std::string words[] = {program.string(), "import-mesh", name.starts_with('-') ? "./" + name : name, "3"};
   char* arguments[] = {words[0].data(), words[1].data(), words[2].data(), words[3].data(), nullptr};
+  std::vector<char*> variables;
+  for (char** variable = environ; *variable; ++variable)
+    if (!std::string_view(*variable).starts_with(uv_variable)) variables.push_back(*variable);
+  std::string uv_wanted = fmt::format("{}=1", uv_variable);
+  if (with_uv) variables.push_back(uv_wanted.data());
+  variables.push_back(nullptr);
   pid_t child = -1;
-  const int failure = posix_spawn(&child, program.c_str(), &actions, nullptr, arguments, environ);
+  const int failure = posix_spawn(&child, program.c_str(), &actions, nullptr, arguments, variables.data());
   posix_spawn_file_actions_destroy(&actions);
   if (failure != 0) throw Error("{}: cannot start the importer {}: {}", what, program.string(), std::strerror(failure));
   return collect(what, child, pipe);
 }
 
-int import_child_main(const std::string& file, int out_fd) {
+int import_child_main(const std::string& file, int out_fd, bool with_uv) {
   Limits limits;
+  const ReadFile read = [&](const fs::path& path) { return read_regular_file(path, limits); };
   const auto refuse = [&](const std::string& why) {
     MeshFile answer;
     answer.failure = why;
     send(answer, out_fd);
   };
   try {
-    send(read_mesh_file(file, [&](const fs::path& path) { return read_regular_file(path, limits); }), out_fd);
+    MeshFile answer;
+    if (has_mesh_format(file))
+      answer = read_mesh_file(file, read, with_uv || std::getenv(uv_variable));
+    else
+      answer.mask_images.push_back({.name = file, .bytes = read(file), .is_gray_alpha = true, .alpha = {}, .failure = {}});
+    for (MaskImage& image : answer.mask_images)
+      if (image.failure.empty()) decode(image, [&](std::uint64_t pixels) { limits.add_pixels(pixels); });
+    send(answer, out_fd);
   } catch (const std::bad_alloc&) {
     refuse(fmt::format("{}: cannot be read: it needs more memory than the {} MiB that a file of its size may take", file,
                        limits.megabytes()));

@@ -100,6 +100,12 @@ void check_vertices(const Mesh& mesh, const std::string& where) {
     if (const glm::vec3& p = mesh.positions[i]; !is_sound(p))
       throw Error("mesh '{}', vertex {}: position = ({}, {}, {}) is outside {} ({})", mesh.name, i, p.x, p.y, p.z,
                   coordinate_range, where);
+  if (mesh.alpha_mask && mesh.uv.size() != mesh.positions.size())
+    throw Error("mesh '{}': {} of its {} vertices have a place in its mask; all must have one ({})", mesh.name, mesh.uv.size(),
+                mesh.positions.size(), where);
+  for (std::size_t i = 0; i < mesh.uv.size(); ++i)
+    if (const glm::vec2& uv = mesh.uv[i]; !is_sound_uv(uv))
+      throw Error("mesh '{}', vertex {}: uv = ({}, {}) is outside {} ({})", mesh.name, i, uv.x, uv.y, uv_range, where);
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
     for (int k = 0; k < 3; ++k)
       if (mesh.triangles[i][k] >= mesh.positions.size())
@@ -108,6 +114,8 @@ void check_vertices(const Mesh& mesh, const std::string& where) {
 }
 
 }  // namespace
+
+bool is_sound_uv(const glm::vec2& uv) { return std::abs(uv.x) <= largest_uv && std::abs(uv.y) <= largest_uv; }
 
 bool is_sound(const glm::dvec3& p) { return glm::all(glm::lessThanEqual(glm::abs(p), glm::dvec3(largest_coordinate))); }
 
@@ -208,6 +216,9 @@ void finish_scene(Scene& scene, const std::string& where) {
   }
   if (dropped > 0) scene.notes.push_back(fmt::format("{} triangles without area are dropped", dropped));
   std::erase_if(scene.meshes, [](const Mesh& mesh) { return mesh.triangles.empty(); });
+  // A file that is placed many times says the same each time.
+  std::set<std::string> said;
+  std::erase_if(scene.notes, [&](const std::string& note) { return !said.insert(note).second; });
   if (scene.meshes.empty()) throw Error("scene '{}' has no geometry ({})", scene.name, where);
 }
 

@@ -3,6 +3,8 @@
 #include <gnomon/scene.h>
 
 #include <filesystem>
+#include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -44,8 +46,19 @@ struct Placement {
   glm::dvec3 scale{1}, rotate_degrees{0}, translate{0};  ///< applied in this order; rotation about x, then y, then z
   glm::dvec3 apply(const glm::dvec3& p) const;
 };
+/// What a description says of the masks of a mesh file.
+struct MaskChoice {
+  bool are_used = true;                        ///< false: all meshes are solid
+  std::optional<std::filesystem::path> image;  ///< in place of the file's own masks, of all its meshes
+  std::optional<double> cutoff;                ///< in place of the file's own
+  int scale = 1;                               ///< see AlphaMask
+};
 /// Appends the file's meshes (and its cameras and punctual lights, for glTF) to the scene.
-void import_file(const std::filesystem::path& file, const Placement& placement, Scene& scene);
+void import_file(const std::filesystem::path& file, const Placement& placement, Scene& scene, const MaskChoice& masks = {});
+/// The mask of an image file: its alpha, or the brightness of an image without alpha. The scene's own where it has an equal
+/// one. A child process reads the file. Throws Error.
+std::shared_ptr<const AlphaMask> read_alpha_mask(const std::filesystem::path& file, double cutoff, int scale,
+                                                 const Scene& scene);
 
 /// Whether the importer reads files of this name: what makes `--scene NAME` a mesh file.
 bool is_mesh_file_name(const std::filesystem::path& file);

@@ -52,6 +52,11 @@ SceneKeys scene_keys(const Shape& shape) {
   return std::visit([](const auto& kind) { return keys_of(kind); }, shape);
 }
 
+std::string_view wrap_name(AlphaMask::Wrap wrap) {
+  static constexpr std::string_view names[] = {"repeat", "mirror", "clamp"};
+  return names[static_cast<int>(wrap)];
+}
+
 Json scene_json(const Light& light) {
   return object(json_object({{"name", light.name}, {"kind", kind_name(light)}}), scene_keys(light));
 }

@@ -19,6 +19,9 @@ SceneKeys scene_keys(const Shape& shape);
 Json number_json(float value);
 Json number_json(const glm::vec3& v);
 
+/// "repeat", "mirror", "clamp".
+std::string_view wrap_name(AlphaMask::Wrap wrap);
+
 /// {"name", "kind", and its keys}; of a view without a kind, of a shape without a name.
 Json scene_json(const Light& light);
 Json scene_json(const View& view);

@@ -8,6 +8,7 @@
 #include "measure/scene/base_scene.h"
 #include "measure/scene/load.h"
 #include "measure/scene/parts.h"
+#include "measure/scene/toml_masks.h"
 #include "measure/scene/toml_table.h"
 
 namespace gnomon {
@@ -53,10 +54,12 @@ void check_fetched(const std::string& reference, std::size_t depth) {
   } catch (const Error&) {
     return;
   }
-  if (const toml::array* meshes = document["mesh"].as_array())
-    for (const toml::node& mesh : *meshes)
-      if (const toml::table* table = mesh.as_table())
-        if (const auto name = (*table)["file"].value_exact<std::string>()) described_file(*name, file);
+  for (const char* const list : {"mesh", "shape"})
+    if (const toml::array* items = document[list].as_array())
+      for (const toml::node& item : *items)
+        if (const toml::table* table = item.as_table())
+          for (const char* const key : {"file", "mask"})
+            if (const auto name = (*table)[key].value_exact<std::string>()) described_file(*name, file);
   if (const auto base = document["scene"].value_exact<std::string>()) check_fetched(seen_from_here(*base, file), depth + 1);
 }
 
@@ -110,15 +113,18 @@ const Kind& kind_of(const toml::table& table, const fs::path& file, const std::s
 }
 
 void read_mesh(const toml::table& toml, const fs::path& file, Scene& scene) {
-  const Table table(toml, file, "mesh", {"file", "scale", "rotate_degrees", "translate", "casts", "receives", "albedo"});
+  const Table table(
+      toml, file, "mesh",
+      {"file", "scale", "rotate_degrees", "translate", "casts", "receives", "albedo", "mask", "cutoff", "mask_scale", "masks"});
   const glm::dvec3 zero(0);
   const Placement placement{table.scale("scale"), table.vector("rotate_degrees", zero), table.vector("translate", zero)};
   const bool casts = table.flag("casts", true), receives = table.flag("receives", true);
   const glm::vec3 albedo = table.albedo();
   const fs::path path = described_file(table.text("file"), file);
+  const MaskChoice masks = read_masks(table, [&](const std::string& name) { return described_file(name, file); });
   const std::size_t first = scene.meshes.size();
   try {
-    import_file(path, placement, scene);
+    import_file(path, placement, scene, masks);
   } catch (const Error& error) {
     throw Error("{} (named in {})", error.what(), table.where("file"));
   }
@@ -154,13 +160,18 @@ Shape read_geometry(const std::string& kind, const Table& table) {
 }
 
 void read_shape(const toml::table& toml, const fs::path& file, Scene& scene) {
-  static const std::vector<Kind> kinds = {{"sphere", {"center", "radius"}},
-                                          {"cone", {"base", "axis", "radius", "height"}},
-                                          {"disc", {"center", "normal", "radius"}},
-                                          {"triangle", {"points"}},
-                                          {"plane", {"center", "normal", "size", "rotate_degrees"}},
-                                          {"box", {"min", "max"}}};
+  static const std::vector<Kind> kinds = {
+      {"sphere", {"center", "radius"}},
+      {"cone", {"base", "axis", "radius", "height"}},
+      {"disc", {"center", "normal", "radius"}},
+      {"triangle", {"points"}},
+      {"plane", {"center", "normal", "size", "rotate_degrees", "mask", "cutoff", "mask_scale"}},
+      {"box", {"min", "max"}}};
   const auto& [kind, keys] = kind_of(toml, file, "shape", kinds);
+  for (const std::string_view key : mask_keys)
+    if (kind != "plane" && toml.contains(key))
+      throw Error("{}.{} is not allowed: of the shapes, a plane alone may have a mask ({})", kind, key,
+                  Table(toml, file, kind).where(key));
   const Table table(toml, file, kind, keys, {"kind", "segments", "casts", "receives", "albedo"});
   const Shape shape = read_geometry(kind, table);
   check(shape, fmt::format("{} ({})", kind, table.where()));
@@ -168,6 +179,8 @@ void read_shape(const toml::table& toml, const fs::path& file, Scene& scene) {
   mesh.casts = table.flag("casts", true);
   mesh.receives = table.flag("receives", true);
   mesh.albedo = table.albedo();
+  const DescribedFile file_of = [&](const std::string& name) { return described_file(name, file); };
+  add_mask(table, file_of, scene, mesh);
   scene.meshes.push_back(std::move(mesh));
 }
 

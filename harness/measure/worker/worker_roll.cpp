@@ -48,11 +48,12 @@ SupportsRequest::Reply supports(const SupportsRequest& request) {
   static Scene scene;
   if (request.scene != file) scene = scene_in(request.scene);
   file = request.scene;
-  const auto technique = registry().technique(request.technique).make();
+  const TechniqueEntry& entry = registry().technique(request.technique);
+  const auto technique = entry.make();
   technique->apply(request.settings);
   SupportsRequest::Reply reply;
   for (const Light& light : scene.lights)
-    reply.lights.push_back(reply_of(technique->supports(scene, light, scene.views.front())));
+    reply.lights.push_back(reply_of(support_of(entry.about, *technique, scene, light, scene.views.front())));
   return reply;
 }
 

@@ -123,7 +123,7 @@ class TechniqueServer {
     masks_.clear();
     const std::vector<std::size_t> before = std::exchange(lit_, {});
     for (std::size_t k = 0; k < lights_->size(); ++k) {
-      supports.push_back(inputs ? technique->supports(scene_, (*lights_)[k], key.view) : inputs);
+      supports.push_back(inputs ? support_of(entry_->about, *technique, scene_, (*lights_)[k], key.view) : inputs);
       masks_.emplace_back(key.width, key.height);
       if (supports.back()) lit_.push_back(k);
       // A light without shadows, of several: lit everywhere.

@@ -18,7 +18,7 @@ using namespace hand_made;
 /// half side 1.
 struct CertifiedScene {
   Scene scene;
-  Picture picture{100, 100};
+  hand_made::Picture picture{100, 100};
   Light light = point_light({0, 2, 0});
   std::vector<float> reference;
 

@@ -4,6 +4,8 @@
 #include <gnomon/kit/bases/inner_technique.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 namespace described_technique_test {
 using namespace gnomon;
 
@@ -38,6 +40,7 @@ TEST(described_technique, has_data_sheet_parameters_and_layers_of_the_one_that_i
               std::tie(b.promise, b.sees, b.estimates, b.role, b.floor));
     EXPECT_EQ(std::tie(a.needs_gl, a.is_default, a.rasterizes, a.named_only),
               std::tie(b.needs_gl, b.is_default, b.rasterizes, b.named_only));
+    EXPECT_TRUE(std::ranges::equal(a.handles, b.handles));
     ASSERT_EQ(a.causes.size(), b.causes.size());
     for (std::size_t k = 0; k < a.causes.size(); ++k)
       EXPECT_EQ(std::tie(a.causes[k].id, a.causes[k].sentence, a.causes[k].color),
@@ -111,13 +114,16 @@ TEST(described_technique, knows_the_lights_that_are_told_or_all) {
 
 TEST(described_technique, nonsense_is_refused) {
   const TechniqueEntry& there = registry().technique("svbsp");
-  for (const char* key : {"id", "title", "promise", "causes", "needs_gl"}) {
+  for (const char* key : {"id", "title", "promise", "causes", "needs_gl", "handles"}) {
     Json sheet = sheet_json(there);
     sheet[key] = json_object({{"no", "sense"}});
     EXPECT_ANY_THROW(described_technique(sheet, object_json(there), {}, "")) << key;
   }
   Json sheet = sheet_json(there);
   sheet["role"] = 17;
+  EXPECT_THROW(described_technique(sheet, object_json(there), {}, ""), Error);
+  sheet = sheet_json(there);
+  sheet["handles"] = {"shadows"};
   EXPECT_THROW(described_technique(sheet, object_json(there), {}, ""), Error);
   Json object = object_json(there);
   object["parameters"][0]["default"] = "none of these";

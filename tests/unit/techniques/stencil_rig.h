@@ -73,6 +73,7 @@ class Rig : public testing::Test {
   static std::vector<std::string> every_setting() {
     std::vector<std::string> all{""};
     for (const auto fresh = make(""); const Parameter* parameter : fresh->parameters()) {
+      if (parameter->name().starts_with("mask")) continue;  // for scenes with holes
       std::vector<std::string> longer;
       for (const std::string& settings : all)
         for (const std::string& value : parameter->probes())

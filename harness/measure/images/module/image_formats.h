@@ -1,5 +1,5 @@
 #pragma once
-#include "measure/picture/picture.h"
+#include "measure/images/image_files.h"
 
 namespace gnomon::image_module {
 

@@ -7,7 +7,7 @@
 #include <fstream>
 #include <functional>
 
-#include "measure/picture/image_module/image_formats.h"
+#include "measure/images/module/image_formats.h"
 
 namespace gnomon::image_module {
 

@@ -8,7 +8,7 @@
 #include <cstdlib>
 #include <cstring>
 
-#include "measure/picture/image_module/image_formats.h"
+#include "measure/images/module/image_formats.h"
 
 namespace gnomon::image_module {
 namespace {

@@ -6,7 +6,7 @@
 #include <cstdlib>
 #include <mutex>
 
-#include "measure/picture/image_module/image_formats.h"
+#include "measure/images/module/image_formats.h"
 
 namespace gnomon::image_module {
 namespace {

@@ -17,7 +17,7 @@ struct AreaTally {
 
 /// All casting triangles of a scene, and how much of a light with area they leave: by clipping, in closed form. Shares no code
 /// with the ray tracer that it certifies. The scene must outlive it. Every query may run on many threads, each with pieces of
-/// its own.
+/// its own. Triangles are solid all over: of a scene whose casters have alpha masks the shares are too small.
 class AreaScene {
  public:
   explicit AreaScene(const Scene& scene);

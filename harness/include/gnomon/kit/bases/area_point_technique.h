@@ -14,13 +14,12 @@ namespace gnomon {
 /// What the techniques share that decide the visible points on the processor, neighbors together, for lights with area: a query
 /// gathers the casters that a group of pixels may need, and the group is halved while these are many.
 ///
-/// `Casters` is made of a scene, once for all lights, and has scene() and numbers(). `Query` is what one thread works with.
-/// `Tally` counts the work of a resolve; it has +=.
+/// `Casters` is made of a scene by `build`, once for all lights, and has scene() and numbers(). `Query` is what one thread
+/// works with. `Tally` counts the work of a resolve; it has +=.
 template <class Casters, class Query, class Tally>
 class AreaPointTechnique : public Technique {
  public:
   void setup() override {}
-  void build(const Scene& scene) override { *built_ = Casters(scene); }
   void relight(const Light& light) override { light_ = light; }
   void resolve(const GBuffer& gbuffer, VisibilityMask& mask) override;
 

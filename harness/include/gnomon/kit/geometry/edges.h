@@ -51,7 +51,7 @@ class EdgeAdjacency {
   /// Triangles connected by edges.
   struct Part {
     Bounds bounds;
-    bool closed = true;  ///< every edge is regular
+    bool closed = true;  ///< every edge is regular, and no triangle has an alpha mask
     double volume = 0;   ///< signed, cubic meters; positive when wound counter-clockwise seen from outside; if closed
   };
   /// Which triangles of a part take part in its shadow volume: both, or those of one facing. Half of a closed body is enough
@@ -95,7 +95,7 @@ class EdgeAdjacency {
   };
   struct MeshTriangles {
     std::uint32_t first, count;
-    bool casts;
+    bool casts, has_holes;
     Bounds bounds;
   };
   struct HalfEdges;

@@ -26,8 +26,9 @@ struct EdgeMargin {
   double carried = INFINITY;    ///< the same, each scaled from its edge's place to the receiver by |PL| / |Le|
 };
 
-/// All casting triangles of a scene as they are, without shapes, behind exact predicates. Shares no code with the ray tracer
-/// that it certifies. The scene must outlive it. Every query may run on many threads.
+/// All casting triangles of a scene as they are, with the holes of their alpha masks and without shapes, behind exact
+/// predicates. Shares no code with the ray tracer that it certifies. The scene must outlive it. Every query may run on many
+/// threads.
 class ExactScene {
  public:
   explicit ExactScene(const Scene& scene);

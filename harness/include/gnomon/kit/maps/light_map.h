@@ -32,8 +32,8 @@ class DepthImages {
   std::size_t bytes() const { return boxes_.meshes.size() * sizeof(MeshBox) + bytes_of(solid_parts_); }
 
  private:
-  std::size_t draw(const Program& program, const LightCamera& camera, Texture& target, Faces faces);
-  Program first_program_, second_program_;
+  std::size_t draw(const CasterPrograms& programs, const LightCamera& camera, Texture& target, Faces faces);
+  CasterPrograms first_, second_;
   Framebuffer framebuffer_;
   const Scene* scene_ = nullptr;
   MeshBoxes boxes_;

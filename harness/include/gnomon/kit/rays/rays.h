@@ -44,8 +44,9 @@ struct Receivers {
 
 /// A scene in Embree, traced by the measured ray recipe (docs/method.md): robust mode; the receiver's own triangle is excluded
 /// by a filter; the origin is lifted by 8 * 2^-24 * max|P| along the normal. Exact curved shapes are traced exactly, in
-/// double; flat shapes are their triangles. A scene whose largest coordinate is below 2^-10 m or above 2^30 m is traced scaled
-/// by a power of two; all arguments and results are in meters.
+/// double; flat shapes are their triangles. Rays go through the holes of alpha masks (kit/geometry/holes.h). A scene whose
+/// largest coordinate is below 2^-10 m or above 2^30 m is traced scaled by a power of two; all arguments and results are in
+/// meters.
 class RayScene {
  public:
   enum class Which { all, casters };
@@ -73,7 +74,8 @@ class RayScene {
   struct Met {
     std::uint32_t mesh, triangle;
   };
-  /// Every triangle that the segment from `origin` to `origin` + `way` meets, as float32 sees it; no exact curved shapes.
+  /// Every triangle that the segment from `origin` to `origin` + `way` meets, as float32 sees it, in its holes, too; no exact
+  /// curved shapes.
   std::vector<Met> met(const glm::dvec3& origin, const glm::dvec3& way) const;
 
   /// Which of the triangles traced share an edge. The first call finds it.
@@ -81,6 +83,8 @@ class RayScene {
 
   /// Bytes that Embree holds for this scene as one thread builds it. The first call does so once more, which takes its time.
   std::size_t bytes() const;
+  /// Whether a mesh that is traced has an alpha mask.
+  bool has_alpha_masks() const;
   /// Library, instruction sets, flags and ray recipe, for certificates.
   std::string description() const;
   /// The Embree scene, for a bare loop beside which ours is measured.

@@ -1,7 +1,7 @@
 // Pictures in any format but PNG and EXR: the only file that uses OpenImageIO.
 #include <OpenImageIO/imageio.h>
 
-#include "measure/picture/image_module/image_formats.h"
+#include "measure/images/module/image_formats.h"
 
 namespace gnomon::image_module {
 namespace {

@@ -1,0 +1,47 @@
+#pragma once
+// Private to the importer: the alpha masks of the meshes of one file.
+#include <map>
+#include <tuple>
+
+#include "measure/scene/import.h"
+
+namespace gnomon::importing {
+
+class FileMasks {
+ public:
+  /// Throws Error where the image of `choice` cannot be read. All outlive this object.
+  FileMasks(const std::filesystem::path& file, const MeshFile& raw, const MaskChoice& choice, const Scene& scene);
+
+  /// The mask of a mesh of the file; null: it is solid. `where` opens errors: "FILE: mesh 'leaf'".
+  std::shared_ptr<const AlphaMask> mask(const std::string& where, const ImportedMesh& mesh);
+  /// Adds notes to the scene, which open with `name`. Throws Error where the choice has a cutoff or a scale and no mesh has a
+  /// mask.
+  void finish(const std::string& name, Scene& scene) const;
+
+  /// Triangles that a mesh has more than once are there once.
+  void drop_duplicates(Mesh& mesh);
+
+ private:
+  using Settings = std::tuple<std::uint32_t, float, float, AlphaMask::Wrap, AlphaMask::Wrap>;
+  struct MadeMask {
+    std::shared_ptr<const AlphaMask> mask;
+    double coverage = 1;
+  };
+  std::shared_ptr<const AlphaMask> made(const MaskImage& image, const ImportedMask& mask) const;
+
+  const std::string file_;
+  const MeshFile& raw_;
+  const MaskChoice& choice_;
+  const Scene& scene_;
+  std::optional<MaskImage> chosen_;
+  std::map<Settings, MadeMask> known_;
+  std::size_t without_alpha_ = 0, without_hole_ = 0, without_solid_ = 0, masked_ = 0, duplicates_ = 0;
+};
+
+/// Throws Error unless each used vertex of a mesh with a mask has sound texture coordinates.
+void check_uv(const std::string& where, const ImportedMesh& mesh, std::span<const std::uint8_t> used);
+/// For each used vertex the first one at exactly its position and place in the mask; `welded` as of gnomon::weld.
+std::vector<std::uint32_t> weld_places(std::span<const std::uint32_t> welded, std::span<const glm::vec2> uv,
+                                       std::span<const std::uint8_t> used);
+
+}  // namespace gnomon::importing
