@@ -299,9 +299,8 @@ CutMasks::CutMasks(const Scene& scene, std::size_t most, Shown shown) : original
 }
 
 std::pair<std::uint32_t, std::uint32_t> CutMasks::pieces_of(std::uint32_t source) const {
-  const auto [first, last] = std::ranges::equal_range(sources_, source);
-  return {first_piece_ + static_cast<std::uint32_t>(first - sources_.begin()),
-          first_piece_ + static_cast<std::uint32_t>(last - sources_.begin())};
+  const auto number_of = [&](auto place) { return first_piece_ + static_cast<std::uint32_t>(place - sources_.begin()); };
+  return {number_of(std::ranges::lower_bound(sources_, source)), number_of(std::ranges::upper_bound(sources_, source))};
 }
 
 std::size_t CutMasks::bytes() const {
