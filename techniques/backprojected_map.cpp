@@ -16,13 +16,16 @@ constexpr About about{
     .source = "Guennebaud, Barthe and Paulin 2006 (patches, joints, search by the nearest depth of blocks)",
     .error =
         "Patches that overlap count twice, and what is hidden by both is too dark. A disc counts as the square with its "
-        "area: a straight edge before it is off by up to 2.3 %. It estimates the share of the light's area.",
+        "area: a straight edge before it is off by up to 2.3 %. It estimates the share of the light's area. "
+        "Holes are those of the mask with alpha=texel alone: mips and mips_kept filter alpha, and hashed is random "
+        "where alpha is neither 0 nor 1.",
     .fails =
         "Casters behind one another, of which the image holds the nearest; casters that the center sees from the side; "
         "penumbrae wider than most_radius.",
     .needs_gl = true,
     .floor = Floor::depth_draw,
-    .handles = with_alpha_masks};
+    .handles = with_alpha_masks,
+    .causes = alpha_causes};
 
 class BackprojectedMap final : public AreaMap {
   Choice joints = Choice(this, "joints", "snapped", {"none", "extended", "snapped"}, Stage::setup,

@@ -13,11 +13,14 @@ constexpr About about{
     .source = "Lauritzen and McCool 2008 (layered variance shadow maps, section on exponential warps)",
     .error =
         "Leaks of a variance map shrink by the exponential between the two casters; with four components a second warp, the "
-        "other way round, bounds what the first leaks.",
+        "other way round, bounds what the first leaks. "
+        "Holes are those of the mask with alpha=texel alone: mips and mips_kept filter alpha, and hashed is random "
+        "where alpha is neither 0 nor 1.",
     .fails = "Casters close above each other along the ray, over the whole depth range of a large scene.",
     .needs_gl = true,
     .floor = Floor::depth_draw,
-    .handles = with_alpha_masks};
+    .handles = with_alpha_masks,
+    .causes = alpha_causes};
 
 class ExponentialVarianceMap final : public FilteredMap {
   Choice components{this, "components", "4", {"2", "4"}, Stage::setup, "Moments of the first warp alone, or of both."};

@@ -15,11 +15,14 @@ constexpr About about{
         "bits hold best)",
     .error =
         "The sharpest bound that four moments allow, toward light: exact for two layers of depth but for moment_bias and "
-        "rounding; under three light leaks by a seventh of what variance leaks in the worst case.",
+        "rounding; under three light leaks by a seventh of what variance leaks in the worst case. "
+        "Holes are those of the mask with alpha=texel alone: mips and mips_kept filter alpha, and hashed is random "
+        "where alpha is neither 0 nor 1.",
     .fails = "Three layers and more between light and receiver: leaves, fences before walls.",
     .needs_gl = true,
     .floor = Floor::depth_draw,
-    .handles = with_alpha_masks};
+    .handles = with_alpha_masks,
+    .causes = alpha_causes};
 
 class MomentMap final : public FilteredMap {
   Number<double> moment_bias = Number<double>(

@@ -18,13 +18,16 @@ constexpr About about{
     .source = "Fernando 2005 (search, mean depth, filter); Reeves, Salesin and Cook 1987 (filter)",
     .error =
         "Exact for one caster in a plane across the image's axis but for texels and taps: n taps tell n + 1 shares apart. "
-        "Casters of several depths get one filter for their mean. It estimates the share of the light's area.",
+        "Casters of several depths get one filter for their mean. It estimates the share of the light's area. "
+        "Holes are those of the mask with alpha=texel alone: mips and mips_kept filter alpha, and hashed is random "
+        "where alpha is neither 0 nor 1.",
     .fails =
         "Casters behind one another, of which the image holds the nearest; near casters before far ones; penumbrae wider than "
         "most_radius.",
     .needs_gl = true,
     .floor = Floor::depth_draw,
-    .handles = with_alpha_masks};
+    .handles = with_alpha_masks,
+    .causes = alpha_causes};
 
 /// Places of the light that the shader samples.
 std::vector<glm::dvec2> places(bool is_disc, int count, double turn) {
@@ -72,6 +75,7 @@ class PercentageCloserSoft final : public AreaMap {
       why.taps.push_back(camera().tap(*p.image, depths(), glm::ivec2(glm::floor(at)), 1));
     }
     for (Tap& tap : why.taps) tap.weight = 1.0 / double(why.taps.size());
+    why.cause = alpha_cause(index);
     return why;
   }
 

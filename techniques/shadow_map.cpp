@@ -19,12 +19,15 @@ constexpr About about{
     .error =
         "Stair steps of one texel diagonal along every shadow edge; acne where the bias is less than the depth spread of a "
         "texel, peter-panning where a caster is nearer than the bias. bias=receiver_plane has no acne on flat "
-        "receivers at depth_bias 0.",
+        "receivers at depth_bias 0. "
+        "Holes are those of the mask with alpha=texel alone: mips and mips_kept filter alpha, and hashed is random "
+        "where alpha is neither 0 nor 1.",
     .fails = "A long shadow at a grazing angle, a fine mesh of wires, and every large scene: texels are spread over all of it.",
     .needs_gl = true,
     .floor = Floor::depth_draw,
     .is_default = true,
-    .handles = with_alpha_masks};
+    .handles = with_alpha_masks,
+    .causes = alpha_causes};
 
 class ShadowMap final : public ComparedMap {
   Choice fit = Choice(this, "fit", "scene", {"scene", "view"}, Stage::relight,

@@ -13,11 +13,14 @@ constexpr About about{
     .source = "Donnelly and Lauritzen 2006 (Chebyshev's inequality); Lauritzen 2007 (leak_reduction)",
     .error =
         "The bound is one of two: at least so much light may arrive. It is exact for one planar caster over one planar "
-        "receiver, and light leaks where depths vary more: under two casters, behind the edge of the nearer.",
+        "receiver, and light leaks where depths vary more: under two casters, behind the edge of the nearer. "
+        "Holes are those of the mask with alpha=texel alone: mips and mips_kept filter alpha, and hashed is random "
+        "where alpha is neither 0 nor 1.",
     .fails = "Layers of casters at many depths: leaves, fences before walls. leak_reduction hides leaks and widens shadows.",
     .needs_gl = true,
     .floor = Floor::depth_draw,
-    .handles = with_alpha_masks};
+    .handles = with_alpha_masks,
+    .causes = alpha_causes};
 
 class VarianceMap final : public FilteredMap {
   Number<double> least_deviation = Number<double>(

@@ -6,6 +6,7 @@
 // words that the first one wrote, so that no rounding can make it miss a page.
 #include <gnomon/kit/counts.h>
 #include <gnomon/kit/geometry/camera.h>
+#include <gnomon/kit/maps/alpha_setting.h>
 #include <gnomon/kit/shared.h>
 #include <gnomon/registry.h>
 
@@ -25,13 +26,16 @@ constexpr About about{
     .error =
         "Stair steps along shadow edges, as wide as a texel: 1/texels_per_pixel of a pixel's side or less, more where the "
         "light sees a pixel over eight times as long as wide. Where more pages are asked for than there is room for, all "
-        "texels are 2^levels_raised times as wide.",
+        "texels are 2^levels_raised times as wide. "
+        "Holes are those of the mask with alpha=texel alone: mips and mips_kept filter alpha, and hashed is random "
+        "where alpha is neither 0 nor 1.",
     .fails =
         "Pixels that ask for pages far apart: surfaces edge-on to the light, leaves and grass; a page is then drawn for a few "
         "pixels. All but the fit is work of resolve, paid for in every picture.",
     .needs_gl = true,
     .floor = Floor::depth_draw,
-    .handles = with_alpha_masks};
+    .handles = with_alpha_masks,
+    .causes = alpha_causes};
 
 class VirtualMap final : public Technique {
   Number<double> texels_per_pixel =
@@ -51,12 +55,13 @@ class VirtualMap final : public Technique {
   Number<double> depth_bias =
       Number<double>(this, "depth_bias", 2, {.unit = "texel", .min = 0, .max = 64}, Stage::resolve,
                      "What is added to the bias of the receiver's own plane, in world widths of a texel at the point.");
+  AlphaSetting alpha{this, Stage::resolve};
 
  public:
-  Support supports(const Scene&, const Light& light, const View&) const override {
+  Support supports(const Scene& scene, const Light& light, const View&) const override {
     const PoolLayout layout(static_cast<std::size_t>(pages.value()), size());
     if (const Support support = light_map_support(light, PoolLayout::width, fit_margin, 1); !support) return support;
-    return within_limits({.texture_size = layout.rows * size(), .texture_layers = layout.layers});
+    return alpha.limit(scene, within_limits({.texture_size = layout.rows * size(), .texture_layers = layout.layers}));
   }
   void setup() override {
     made_->drawer.setup();
@@ -80,7 +85,7 @@ class VirtualMap final : public Technique {
     made_->boxes = mesh_boxes(scene);
     made_->solid_parts = solid_parts(scene);
     scene_buffers(scene);
-    made_->drawer.build(scene);
+    made_->drawer.build(scene, alpha.rule());
   }
   void relight(const Light& light) override {
     light_ = light;
@@ -91,14 +96,14 @@ class VirtualMap final : public Technique {
     const StateGuard guard;
     gbuffer_ = &gbuffer;
     if (made_->read_back.of == this) made_->read_back = {};
-    const SceneBuffers& buffers = scene_buffers(*made_->scene);
+    made_->drawer.use_alpha(alpha.rule());
     find_addresses();
     table_ = pages_of(asked_, static_cast<std::size_t>(pages.value()), top());
     layout_ = PoolLayout(table_.pages.size(), size());
-    fill(lists_, *made_->scene, buffers, camera_, footprints_, table_, size());
+    fill(lists_, *made_->scene, scene_buffers(*made_->scene), camera_, footprints_, table_, size());
     write_places();
-    made_->drawer.draw(buffers, camera_, table_, lists_, layout_, pool_);
-    look_up(made_->look_up_programs[projection()], mask.texture());
+    made_->drawer.draw(camera_, table_, lists_, layout_, pool_, made_->drawer.hole_test());
+    look_up(made_->look_up_programs[projection()], pool_, mask.texture());
     glFinish();
   }
   Counts counts() const override {
@@ -127,6 +132,7 @@ class VirtualMap final : public Technique {
     why.bias = (depth_bias * why.texel_width + (error + why.texel_width / 128) / facing) * glm::length(ray);
     const glm::vec4 looked = looked_up()[index];
     why.taps.push_back(image.tap(glm::dvec2(looked) + 0.5, image.axis_distance(looked.z), 1));
+    why.cause = alpha_cause(index);
     return why;
   }
   std::vector<DebugLayer> debug_layers() const override { return virtual_map::debug_layers(); }
@@ -147,8 +153,7 @@ class VirtualMap final : public Technique {
       pages[i] = page_at(i);
       texels[i] = glm::ivec2(looked_up()[i]);
     }
-    const std::vector<float> mask =
-        read_mask(*gbuffer_, [&](unsigned target) { look_up(made_->look_up_programs[projection()], target); });
+    const std::vector<float> mask = answer(pool_);
     const Resolved resolved{camera_, *made_->scene, *gbuffer_, light_, pages, texels, mask};
     return layer == "pages" ? paint_pages(resolved) : paint_texels(resolved);
   }
@@ -196,12 +201,12 @@ class VirtualMap final : public Technique {
     glTextureSubImage2D(places_.name(), 0, 0, 0, gbuffer_->width, gbuffer_->height, GL_RED_INTEGER, GL_UNSIGNED_INT,
                         places.data());
   }
-  void look_up(const Program& program, unsigned target) const {
+  void look_up(const Program& program, const Texture& pool, unsigned target) const {
     set_light_camera(program, light_, camera_, [&](const LightImage& image) {
       return image.is_perspective ? camera_.rounding / (image.near * image.far) : image.far;
     });
     program.set("look_up", glm::vec4(depth_bias.value(), camera_.rounding, table_.raised, 0));
-    glBindTextureUnit(3, pool_.name());
+    glBindTextureUnit(3, pool.name());
     glBindTextureUnit(4, addresses_.name());
     glBindTextureUnit(5, places_.name());
     draw_mask(program, made_->framebuffer, target, gbuffer_textures(*gbuffer_, *made_->scene));
@@ -212,15 +217,34 @@ class VirtualMap final : public Technique {
     if (read_back.of == this) return read_back.looked_up;
     const StateGuard guard;
     const Texture texels(GL_RGBA32F, gbuffer_->width, gbuffer_->height);
-    look_up(made_->explain_programs[projection()], texels.name());
-    read_back = {.of = this, .looked_up = read_texels<glm::vec4>(texels, GL_RGBA)};
+    look_up(made_->explain_programs[projection()], pool_, texels.name());
+    read_back = {.of = this, .looked_up = read_texels<glm::vec4>(texels, GL_RGBA), .alpha_difference = {}};
     return read_back.looked_up;
+  }
+  /// The mask of the last resolve, once more, of its pages in this pool.
+  std::vector<float> answer(const Texture& pool) const {
+    return read_mask(*gbuffer_, [&](unsigned target) { look_up(made_->look_up_programs[projection()], pool, target); });
+  }
+  /// What of `alpha` explains a wrong pixel of the last resolve; empty where nothing does.
+  std::string_view alpha_cause(std::size_t index) const {
+    const AlphaRule rule = made_->drawer.hole_test().rule;
+    if (rule == AlphaRule::texel) return "";
+    looked_up();  // what is read back is this object's from here on
+    std::optional<AlphaDifference>& difference = made_->read_back.alpha_difference;
+    if (!difference) {
+      const StateGuard guard;
+      Texture by_texel;
+      made_->drawer.draw(camera_, table_, lists_, layout_, by_texel, {});
+      difference.emplace(rule, answer(pool_), answer(by_texel), false);
+    }
+    return difference->cause(index);
   }
 
   /// What questions need, in memory: of one object at a time.
   struct ReadBack {
     const VirtualMap* of = nullptr;
     std::vector<glm::vec4> looked_up;  // by pixel
+    std::optional<AlphaDifference> alpha_difference;
   };
   struct Made {
     ReadBack read_back;

@@ -1,4 +1,5 @@
 #pragma once
+#include <gnomon/kit/maps/alpha_levels.h>
 #include <gnomon/kit/volumes/volume_faces.h>
 
 #include "draw_lists.h"
@@ -41,19 +42,31 @@ class PageDrawer {
     framebuffer_ = make_framebuffer();
     vertex_array_ = make_vertex_array();
   }
-  void build(const Scene& scene) {
-    for (CasterPrograms& programs : programs_) programs.fit(scene);
+  void build(const Scene& scene, AlphaRule rule) {
+    scene_ = &scene;
+    alpha_levels_ = {};
+    use_alpha(rule);
   }
-  /// The pages of a table, by their lists, into `pool`, which becomes D32F of the layout's size.
-  void draw(const SceneBuffers& buffers, const LightCamera& camera, const PageTable& table, const DrawLists& lists,
-            const PoolLayout& layout, Texture& pool) {
+  /// Makes what a rule about holes needs, unless it is there.
+  void use_alpha(AlphaRule rule) {
+    alpha_levels_.use(*scene_, rule);
+    for (CasterPrograms& programs : programs_) programs.fit(*scene_, rule);
+  }
+  /// By that rule; by the texel's where no mesh has a mask.
+  HoleTest hole_test() const { return alpha_levels_.hole_test(); }
+  /// The pages of a table, by their lists, into `pool`, which becomes D32F of the layout's size. `test` is `hole_test` or the
+  /// texel's.
+  void draw(const LightCamera& camera, const PageTable& table, const DrawLists& lists, const PoolLayout& layout, Texture& pool,
+            const HoleTest& test) {
+    const SceneBuffers& buffers = scene_buffers(*scene_);
     const int size = layout.page_size;
     pool.fit(GL_DEPTH_COMPONENT32F, PoolLayout::width, layout.rows * size, layout.layers);
     bind_vertices(buffers, table, lists, size);
-    const CasterPrograms& programs = programs_[camera.space.is_parallel() ? 0 : 1];
+    CasterPrograms& programs = programs_[camera.space.is_parallel() ? 0 : 1];
+    if (test.rule != hole_test().rule) programs.fit(*scene_, test.rule);
     // Lists hold triangles with holes and without.
-    const Program& program = buffers.masks ? programs.masked() : programs.solid();
-    buffers.bind_masks();
+    const Program& program = buffers.masks ? programs.masked(test.rule) : programs.solid();
+    buffers.bind_masks(test);
     const GLuint framebuffer = framebuffer_.name();
     glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
     glUseProgram(program.name());
@@ -87,7 +100,7 @@ class PageDrawer {
     glBindVertexArray(0);
     glNamedFramebufferTexture(framebuffer, GL_DEPTH_ATTACHMENT, 0, 0);
   }
-  std::size_t bytes() const { return corners_.bytes() + placements_.bytes(); }
+  std::size_t bytes() const { return corners_.bytes() + placements_.bytes() + alpha_levels_.bytes(); }
 
  private:
   void bind_vertices(const SceneBuffers& buffers, const PageTable& table, const DrawLists& lists, int page_size) {
@@ -124,6 +137,8 @@ class PageDrawer {
   Framebuffer framebuffer_;
   VertexArray vertex_array_;
   RewrittenBuffer corners_, placements_;
+  const Scene* scene_ = nullptr;
+  AlphaLevels alpha_levels_;
 };
 
 }  // namespace gnomon::virtual_map

@@ -48,11 +48,11 @@ bool AreaPoint::is_hidden_by(const glm::ivec2& texel, double stored) const {
   return image->near * m < (depth - bias * std::abs(m)) * stored && image->near < seen.z * stored;
 }
 
-Support AreaMap::supports(const Scene&, const Light& light, const View&) const {
+Support AreaMap::supports(const Scene& scene, const Light& light, const View&) const {
   if (!has_area(light)) return Support::unsupported("the light has no area: its shadows are hard, see shadow_map");
   Light center = light;
   center.kind = PointLight{};
-  return light_map_support(center, resolution, margin(), 0);
+  return alpha.limit(scene, light_map_support(center, resolution, margin(), 0));
 }
 
 Program AreaMap::program(int which, std::string_view title, std::string_view first_line) const {
@@ -75,7 +75,7 @@ void AreaMap::setup() {
 
 void AreaMap::build(const Scene& scene) {
   made_->scene = &scene;
-  made_->depth_images.build(scene);
+  made_->depth_images.build(scene, alpha.rule());
 }
 
 void AreaMap::relight(const Light& light) {
@@ -83,6 +83,7 @@ void AreaMap::relight(const Light& light) {
   light_ = light;
   center_ = light;
   center_.kind = PointLight{glm::vec3(homogeneous_of_center(light))};
+  made_->depth_images.use_alpha(alpha.rule());
   if (fit.is("scene")) draw_images(fit_to_scene(center_, made_->depth_images.boxes(), resolution, margin()));
   glFinish();
 }
@@ -90,34 +91,42 @@ void AreaMap::relight(const Light& light) {
 void AreaMap::draw_images(LightCamera&& camera) {
   if (made_->read_of == this) made_->read_of = nullptr;
   camera_ = std::move(camera);
-  drawn_triangles_ = made_->depth_images.draw(camera_, depths_);
+  drawn_triangles_ = draw(images_, made_->depth_images.hole_test());
+}
+
+std::size_t AreaMap::draw(Images& images, const HoleTest& test) const {
+  const std::size_t triangles = made_->depth_images.draw(camera_, images.depths, DepthImages::Faces::lit, test);
   const int side = (resolution + area_map_block - 1) / area_map_block;
-  nearest_.fit(GL_R32F, side, side, std::max(camera_.layer_count, 1));
+  images.nearest.fit(GL_R32F, side, side, std::max(camera_.layer_count, 1));
   const Program& program = made_->nearest_program;
   const GLuint framebuffer = made_->framebuffer.name();
-  glBindTextureUnit(3, depths_.name());
+  glBindTextureUnit(3, images.depths.name());
   glUseProgram(program.name());
   glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
   glViewport(0, 0, side, side);
   for (int layer = 0; layer < camera_.layer_count; ++layer) {
-    glNamedFramebufferTextureLayer(framebuffer, GL_COLOR_ATTACHMENT0, nearest_.name(), 0, layer);
+    glNamedFramebufferTextureLayer(framebuffer, GL_COLOR_ATTACHMENT0, images.nearest.name(), 0, layer);
     program.set("layer", layer);
     draw_full_screen();
   }
   glNamedFramebufferTexture(framebuffer, GL_COLOR_ATTACHMENT0, 0, 0);
+  return triangles;
 }
 
 void AreaMap::resolve(const GBuffer& gbuffer, VisibilityMask& mask) {
   const StateGuard guard;
   gbuffer_ = &gbuffer;
-  if (made_->read_of == this) made_->accounts.clear();
+  if (made_->read_of == this) {
+    made_->accounts.clear();
+    made_->alpha_difference.reset();
+  }
   if (fit.is("view"))
     draw_images(fit_to_view(center_, made_->depth_images.boxes(), gbuffer, resolution, margin(), radius_of(light_)));
-  look_up(made_->resolve_programs[program_index()], mask.texture());
+  look_up(made_->resolve_programs[program_index()], images_, mask.texture());
   glFinish();
 }
 
-void AreaMap::look_up(const Program& program, unsigned target) const {
+void AreaMap::look_up(const Program& program, const Images& images, unsigned target) const {
   set_light_camera(program, center_, camera_,
                    [&](const LightImage& image) { return camera_.rounding / (image.near * image.far); });
   const Figure figure = figure_of(light_);
@@ -127,26 +136,31 @@ void AreaMap::look_up(const Program& program, unsigned target) const {
   program.set_if_used("area_look_up",
                       glm::vec4(depth_bias.value(), camera_.rounding, most_radius.value(), figure.is_one_sided));
   set_uniforms(program);
-  glBindTextureUnit(3, depths_.name());
-  glBindTextureUnit(4, nearest_.name());
+  glBindTextureUnit(3, images.depths.name());
+  glBindTextureUnit(4, images.nearest.name());
   draw_mask(program, made_->framebuffer, target, gbuffer_textures(*gbuffer_, *made_->scene));
 }
 
 Counts AreaMap::counts() const {
   const double texels = double(resolution) * resolution * camera_.layer_count;
-  return {{"texels", texels, "texel"},
-          {"faces", double(camera_.layer_count), ""},
-          {"triangles", double(drawn_triangles_), ""},
-          {"bytes", double(depths_.bytes + nearest_.bytes) + made_.own(double(made_->depth_images.bytes())), "byte"}};
+  return {
+      {"texels", texels, "texel"},
+      {"faces", double(camera_.layer_count), ""},
+      {"triangles", double(drawn_triangles_), ""},
+      {"bytes", double(images_.depths.bytes + images_.nearest.bytes) + made_.own(double(made_->depth_images.bytes())), "byte"}};
+}
+
+void AreaMap::start_questions() const {
+  if (made_->read_of == this) return;
+  made_->read_of = this;
+  made_->depths.clear();
+  made_->accounts.clear();
+  made_->alpha_difference.reset();
 }
 
 const std::vector<float>& AreaMap::depths() const {
-  if (made_->read_of != this) {
-    made_->depths.clear();
-    made_->accounts.clear();
-    made_->read_of = this;
-  }
-  if (made_->depths.empty()) made_->depths = read_texels<float>(depths_, GL_DEPTH_COMPONENT);
+  start_questions();
+  if (made_->depths.empty()) made_->depths = read_texels<float>(images_.depths, GL_DEPTH_COMPONENT);
   return made_->depths;
 }
 
@@ -157,13 +171,35 @@ const std::vector<glm::vec4>& AreaMap::accounts() const {
   auto& program = made_->account_programs[program_index()];
   if (!program) program = this->program(program_index(), "account", "#define EXPLAIN\n");
   const Texture target(GL_RGBA32F, gbuffer_->width, gbuffer_->height);
-  look_up(*program, target.name());
+  look_up(*program, images_, target.name());
   made_->accounts = read_texels<glm::vec4>(target, GL_RGBA);
   return made_->accounts;
 }
 
-std::vector<float> AreaMap::answer() const {
-  return read_mask(*gbuffer_, [&](unsigned target) { look_up(made_->resolve_programs[program_index()], target); });
+/// The mask of the last resolve, once more, of these images of its camera.
+std::vector<float> AreaMap::answer(const Images& images) const {
+  return read_mask(*gbuffer_, [&](unsigned target) { look_up(made_->resolve_programs[program_index()], images, target); });
+}
+
+std::string_view AreaMap::alpha_cause(std::size_t index) const {
+  const AlphaRule rule = made_->depth_images.hole_test().rule;
+  if (rule == AlphaRule::texel) return "";
+  start_questions();
+  if (!made_->alpha_difference) {
+    const StateGuard guard;
+    Images by_texel;
+    draw(by_texel, {});
+    made_->alpha_difference.emplace(rule, answer(images_), answer(by_texel), has_area(light_));
+  }
+  return made_->alpha_difference->cause(index);
+}
+
+std::optional<Explanation> AreaMap::explain(std::size_t index) const {
+  const std::string_view cause = faces(index) ? alpha_cause(index) : "";
+  if (cause.empty()) return std::nullopt;
+  Explanation why;
+  why.cause = cause;
+  return why;
 }
 
 AreaPoint AreaMap::point(std::size_t index) const {
@@ -223,7 +259,7 @@ std::vector<float> AreaMap::draw_debug(std::string_view layer) const {
     look_ups[i] = {camera_.space.face_of(gbuffer_->position(i)),
                    p.image->layer < 0 ? glm::ivec2(-1) : glm::ivec2(glm::floor(p.position))};
   }
-  return paint_texels(camera_, *made_->scene, *gbuffer_, light_, look_ups, answer());
+  return paint_texels(camera_, *made_->scene, *gbuffer_, light_, look_ups, answer(images_));
 }
 
 }  // namespace gnomon

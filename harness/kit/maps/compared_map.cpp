@@ -67,12 +67,13 @@ void ComparedMap::setup() {
 
 void ComparedMap::build(const Scene& scene) {
   made_->scene = &scene;
-  made_->depth_images.build(scene);
+  made_->depth_images.build(scene, alpha.rule());
 }
 
 void ComparedMap::relight(const Light& light) {
   const StateGuard guard;
   light_ = light;
+  made_->depth_images.use_alpha(alpha.rule());
   std::optional<LightCamera> camera = fitted_to_scene(light, made_->depth_images.boxes(), comparison().margin());
   draws_in_resolve_ = !camera;
   if (camera) draw_images(std::move(*camera));
@@ -82,26 +83,34 @@ void ComparedMap::relight(const Light& light) {
 void ComparedMap::draw_images(LightCamera&& camera) {
   if (made_->read_of == this) made_->read_of = nullptr;
   camera_ = std::move(camera);
+  drawn_triangles_ = draw(depths_, made_->depth_images.hole_test());
+}
+
+std::size_t ComparedMap::draw(Depths& depths, const HoleTest& test) const {
+  using enum DepthImages::Faces;
   DepthImages& depth_images = made_->depth_images;
   const StoredDepth stored = stored_depth();
-  drawn_triangles_ =
-      depth_images.draw(camera_, first_, stored.needs_second() ? DepthImages::Faces::all : DepthImages::Faces::lit);
-  if (stored.needs_second()) drawn_triangles_ += depth_images.draw_second(camera_, first_, second_);
-  if (stored.is_combined()) made_->combination.run(camera_, stored, first_, second_, combined_);
+  std::size_t triangles = depth_images.draw(camera_, depths.first, stored.needs_second() ? all : lit, test);
+  if (stored.needs_second()) triangles += depth_images.draw_second(camera_, depths.first, depths.second, test);
+  if (stored.is_combined()) made_->combination.run(camera_, stored, depths.first, depths.second, depths.combined);
+  return triangles;
 }
 
 void ComparedMap::resolve(const GBuffer& gbuffer, VisibilityMask& mask) {
   const StateGuard guard;
   gbuffer_ = &gbuffer;
-  if (made_->read_of == this) made_->read_look_ups.clear();
+  if (made_->read_of == this) {
+    made_->read_look_ups.clear();
+    made_->alpha_difference.reset();
+  }
   if (draws_in_resolve_) draw_images(fitted_to_view(light_, made_->depth_images.boxes(), gbuffer, comparison().margin()));
-  look_up(made_->resolve_programs[int(projection())], mask.texture());
+  look_up(made_->resolve_programs[int(projection())], depths_, mask.texture());
   glFinish();
 }
 
-void ComparedMap::look_up(const Program& program, unsigned target) const {
+void ComparedMap::look_up(const Program& program, const Depths& depths, unsigned target) const {
   set_comparison(program, light_, camera_, comparison());
-  glBindTextureUnit(3, map().name());
+  glBindTextureUnit(3, map(depths).name());
   draw_mask(program, made_->framebuffer, target, gbuffer_textures(*gbuffer_, *made_->scene));
 }
 
@@ -109,7 +118,7 @@ Counts ComparedMap::counts() const {
   const StoredDepth stored = stored_depth();
   const int images = 1 + stored.needs_second() + stored.is_combined();
   const double texels = double(resolution) * resolution * camera_.layer_count * images;
-  const double bytes = double(images * first_.bytes) + made_.own(double(made_->depth_images.bytes()));
+  const double bytes = double(images * depths_.first.bytes) + made_.own(double(made_->depth_images.bytes()));
   return {{"texels", texels, "texel"},
           {"faces", double(camera_.layer_count), ""},
           {"triangles", double(drawn_triangles_), ""},
@@ -121,11 +130,12 @@ void ComparedMap::start_questions() const {
   made_->read_of = this;
   made_->read_depths.clear();
   made_->read_look_ups.clear();
+  made_->alpha_difference.reset();
 }
 
 const std::vector<float>& ComparedMap::depths() const {
   start_questions();
-  if (made_->read_depths.empty()) made_->read_depths = read_texels<float>(map(), GL_DEPTH_COMPONENT);
+  if (made_->read_depths.empty()) made_->read_depths = read_texels<float>(map(depths_), GL_DEPTH_COMPONENT);
   return made_->read_depths;
 }
 
@@ -137,7 +147,7 @@ ComparedMap::Place ComparedMap::looked_up(std::size_t index) const {
     auto& program = made_->explain_programs[int(projection())];
     if (!program) program = resolve_program(projection(), true);
     const Texture texels(GL_RGBA32F, gbuffer_->width, gbuffer_->height);
-    look_up(*program, texels.name());
+    look_up(*program, depths_, texels.name());
     made_->read_look_ups = read_texels<glm::vec3>(texels, GL_RGB);
   }
   const glm::dvec3 found = made_->read_look_ups[index];
@@ -146,17 +156,32 @@ ComparedMap::Place ComparedMap::looked_up(std::size_t index) const {
   return {is_drawn ? &*image : nullptr, glm::dvec2(found)};
 }
 
-/// The mask of the last resolve, once more.
-std::vector<float> ComparedMap::answer() const {
-  return read_mask(*gbuffer_, [&](unsigned target) { look_up(made_->resolve_programs[int(projection())], target); });
+/// The mask of the last resolve, once more, of these images of its camera.
+std::vector<float> ComparedMap::answer(const Depths& depths) const {
+  return read_mask(*gbuffer_, [&](unsigned target) { look_up(made_->resolve_programs[int(projection())], depths, target); });
+}
+
+std::string_view ComparedMap::alpha_cause(std::size_t index) const {
+  const AlphaRule rule = made_->depth_images.hole_test().rule;
+  if (rule == AlphaRule::texel) return "";
+  start_questions();
+  if (!made_->alpha_difference) {
+    const StateGuard guard;
+    Depths by_texel;
+    draw(by_texel, {});
+    made_->alpha_difference.emplace(rule, answer(depths_), answer(by_texel), has_area(light_));
+  }
+  return made_->alpha_difference->cause(index);
 }
 
 std::optional<Explanation> ComparedMap::explain(std::size_t index) const {
   if (!faces_light(*made_->scene, *gbuffer_, light_, index)) return Explanation();
   const auto [image, texel] = looked_up(index);
   if (!image) return Explanation();
-  return explain_comparison({camera_, *image, depths()}, comparison(), gbuffer_->position(index), gbuffer_->normal(index),
-                            texel);
+  Explanation why =
+      explain_comparison({camera_, *image, depths()}, comparison(), gbuffer_->position(index), gbuffer_->normal(index), texel);
+  why.cause = alpha_cause(index);
+  return why;
 }
 
 std::vector<DebugLayer> ComparedMap::debug_layers() const { return map_layers(images()); }
@@ -173,7 +198,7 @@ std::vector<float> ComparedMap::draw_debug(std::string_view layer) const {
     const int number = image ? static_cast<int>(image - camera_.images.data()) : camera_.image_of(gbuffer_->position(i));
     look_ups[i] = {number, image ? glm::ivec2(glm::floor(texel)) : glm::ivec2(-1)};
   }
-  return paint_texels(camera_, *made_->scene, *gbuffer_, light_, look_ups, answer());
+  return paint_texels(camera_, *made_->scene, *gbuffer_, light_, look_ups, answer(depths_));
 }
 
 }  // namespace gnomon

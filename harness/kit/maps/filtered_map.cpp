@@ -51,14 +51,14 @@ void main() {
 
 }  // namespace
 
-Support FilteredMap::supports(const Scene&, const Light& light, const View&) const {
+Support FilteredMap::supports(const Scene& scene, const Light& light, const View&) const {
   const Prefilter filter = used_prefilter();
   // The constants of the look-up, and the method's.
   Support support = light_map_support(light, resolution, filter.margin(), 2 + prefilter_constant_count(filter.kind));
   if (support) support = filter.supports(light, resolution);
   if (support && has_table() && has_16_bits())
     support = Support::unsupported("sums of a table need 32 bits: prefilter=table takes bits=32");
-  return support ? method_support() : support;
+  return alpha.limit(scene, support ? method_support() : support);
 }
 
 GLenum FilteredMap::format() const {
@@ -97,12 +97,13 @@ void FilteredMap::setup() {
 
 void FilteredMap::build(const Scene& scene) {
   made_->scene = &scene;
-  made_->depth_images.build(scene);
+  made_->depth_images.build(scene, alpha.rule());
 }
 
 void FilteredMap::relight(const Light& light) {
   const StateGuard guard;
   light_ = light;
+  made_->depth_images.use_alpha(alpha.rule());
   if (fit.is("scene")) draw_images(fit_to_scene(light, made_->depth_images.boxes(), resolution, used_prefilter().margin()));
   glFinish();
 }
@@ -110,66 +111,98 @@ void FilteredMap::relight(const Light& light) {
 void FilteredMap::draw_images(LightCamera&& camera) {
   if (made_->read_of == this) made_->read_of = nullptr;
   camera_ = std::move(camera);
-  drawn_triangles_ = made_->depth_images.draw(camera_, depths_);
+  drawn_triangles_ = draw(images_, made_->depth_images.hole_test());
+}
+
+std::size_t FilteredMap::draw(Images& images, const HoleTest& test) const {
+  const std::size_t triangles = made_->depth_images.draw(camera_, images.depths, DepthImages::Faces::lit, test);
   const Prefilter filter = used_prefilter();
   const bool has_levels = filter.kind == Prefilter::Kind::mips;
-  means_.fit(format(), resolution, resolution, std::max(camera_.layer_count, 1), has_levels ? filter.last_level() + 1 : 1);
+  Texture& means = images.means;
+  means.fit(format(), resolution, resolution, std::max(camera_.layer_count, 1), has_levels ? filter.last_level() + 1 : 1);
   if (!has_table()) {
-    glTextureParameteri(means_.name(), GL_TEXTURE_MIN_FILTER, has_levels ? GL_LINEAR_MIPMAP_LINEAR : GL_LINEAR);
-    glTextureParameteri(means_.name(), GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+    glTextureParameteri(means.name(), GL_TEXTURE_MIN_FILTER, has_levels ? GL_LINEAR_MIPMAP_LINEAR : GL_LINEAR);
+    glTextureParameteri(means.name(), GL_TEXTURE_MAG_FILTER, GL_LINEAR);
   }
   const Program& program = made_->encode_programs[camera_.space.is_parallel() ? 0 : 1];
   set_constants(program);
   program.set_if_used("to_one", texel().to_one);
-  glBindTextureUnit(3, depths_.name());
+  glBindTextureUnit(3, images.depths.name());
   glUseProgram(program.name());
   glBindFramebuffer(GL_FRAMEBUFFER, made_->framebuffer.name());
   glViewport(0, 0, resolution, resolution);
   for (const LightImage& image : camera_.images) {
     if (image.layer < 0) continue;
-    glNamedFramebufferTextureLayer(made_->framebuffer.name(), GL_COLOR_ATTACHMENT0, means_.name(), 0, image.layer);
+    glNamedFramebufferTextureLayer(made_->framebuffer.name(), GL_COLOR_ATTACHMENT0, means.name(), 0, image.layer);
     program.set_if_used("image", glm::vec4(image.layer, image.near, image.far, filter.whole()));
     draw_full_screen();
   }
   glNamedFramebufferTexture(made_->framebuffer.name(), GL_COLOR_ATTACHMENT0, 0, 0);
-  if (is_blurred()) made_->blur.run(means_, means_);
-  if (has_levels) made_->mips.run(means_);
-  if (has_table()) made_->table.run(means_, means_);
+  if (is_blurred()) made_->blur.run(means, means);
+  if (has_levels) made_->mips.run(means);
+  if (has_table()) made_->table.run(means, means);
+  return triangles;
 }
 
 void FilteredMap::resolve(const GBuffer& gbuffer, VisibilityMask& mask) {
   const StateGuard guard;
   gbuffer_ = &gbuffer;
+  if (made_->read_of == this) made_->alpha_difference.reset();
   if (fit.is("view"))
     draw_images(fit_to_view(light_, made_->depth_images.boxes(), gbuffer, resolution, used_prefilter().margin()));
-  look_up(mask.texture());
+  look_up(images_, mask.texture());
   glFinish();
 }
 
-void FilteredMap::look_up(unsigned target) const {
+void FilteredMap::look_up(const Images& images, unsigned target) const {
   const Program& program = made_->resolve_programs[static_cast<int>(projection_of(camera_))];
   set_light_camera(program, light_, camera_);
   set_constants(program);
   program.set("look_up", glm::vec2(bias.value(), leak_reduction.value()));
   set_prefilter(program, used_prefilter(), gbuffer_->view, gbuffer_->width, gbuffer_->height, texel().to_one);
-  glBindTextureUnit(has_table() ? 4 : 3, means_.name());
+  glBindTextureUnit(has_table() ? 4 : 3, images.means.name());
   draw_mask(program, made_->framebuffer, target, gbuffer_textures(*gbuffer_, *made_->scene));
 }
 
 Counts FilteredMap::counts() const {
   const double texels = double(resolution) * resolution * camera_.layer_count;
   // The blur's own image is as large as that which it blurs.
-  const double shared_bytes = double(made_->depth_images.bytes() + (is_blurred() ? means_.bytes : 0));
+  const double shared_bytes = double(made_->depth_images.bytes() + (is_blurred() ? images_.means.bytes : 0));
   return {{"texels", texels, "texel"},
           {"faces", double(camera_.layer_count), ""},
           {"triangles", double(drawn_triangles_), ""},
-          {"bytes", double(depths_.bytes + means_.bytes) + made_.own(shared_bytes), "byte"}};
+          {"bytes", double(images_.depths.bytes + images_.means.bytes) + made_.own(shared_bytes), "byte"}};
+}
+
+void FilteredMap::start_questions() const {
+  if (made_->read_of == this) return;
+  made_->read_of = this;
+  made_->read_depths.clear();
+  made_->alpha_difference.reset();
 }
 
 const std::vector<float>& FilteredMap::depths() const {
-  if (made_->read_of != this) made_->read_depths = read_texels<float>(depths_, GL_DEPTH_COMPONENT);
-  made_->read_of = this;
+  start_questions();
+  if (made_->read_depths.empty()) made_->read_depths = read_texels<float>(images_.depths, GL_DEPTH_COMPONENT);
   return made_->read_depths;
+}
+
+/// The mask of the last resolve, once more, of these images of its camera.
+std::vector<float> FilteredMap::answer(const Images& images) const {
+  return read_mask(*gbuffer_, [&](unsigned target) { look_up(images, target); });
+}
+
+std::string_view FilteredMap::alpha_cause(std::size_t index) const {
+  const AlphaRule rule = made_->depth_images.hole_test().rule;
+  if (rule == AlphaRule::texel) return "";
+  start_questions();
+  if (!made_->alpha_difference) {
+    const StateGuard guard;
+    Images by_texel;
+    draw(by_texel, {});
+    made_->alpha_difference.emplace(rule, answer(images_), answer(by_texel), has_area(light_));
+  }
+  return made_->alpha_difference->cause(index);
 }
 
 /// The taps are the texels whose means were looked up, each with its weight.
@@ -187,6 +220,7 @@ std::optional<Explanation> FilteredMap::explain(std::size_t index) const {
   why.covered = camera_.holds(glm::ivec2(glm::floor(place)));
   for (const auto& [texel, weight] : used_prefilter().texels(place, pixel, resolution))
     why.taps.push_back(camera_.tap(image, depths(), texel, weight));
+  why.cause = alpha_cause(index);
   return why;
 }
 
@@ -205,8 +239,7 @@ std::vector<float> FilteredMap::draw_debug(std::string_view layer) const {
     const glm::dvec2 place = image.texel_of(image.place_of(gbuffer_->position(i)));
     look_ups[i] = {face, image.layer < 0 ? glm::ivec2(-1) : glm::ivec2(glm::floor(place))};
   }
-  const std::vector<float> mask = read_mask(*gbuffer_, [&](unsigned target) { look_up(target); });
-  return paint_texels(camera_, *made_->scene, *gbuffer_, light_, look_ups, mask);
+  return paint_texels(camera_, *made_->scene, *gbuffer_, light_, look_ups, answer(images_));
 }
 
 }  // namespace gnomon

@@ -8,10 +8,10 @@ const std::string second_fragment = R"(
 layout(binding = 3) uniform sampler2DArray first_depth;
 uniform int layer;
 void main() {
-  if (gl_FragCoord.z >= texelFetch(first_depth, ivec3(gl_FragCoord.xy, layer), 0).r) discard;
 #ifdef MASKED
   if (in_hole()) discard;
 #endif
+  if (gl_FragCoord.z >= texelFetch(first_depth, ivec3(gl_FragCoord.xy, layer), 0).r) discard;
 }
 )";
 
@@ -31,25 +31,33 @@ void DepthImages::setup() {
   framebuffer_ = make_framebuffer();
 }
 
-void DepthImages::build(const Scene& scene) {
+void DepthImages::build(const Scene& scene, AlphaRule rule) {
   scene_ = &scene;
   boxes_ = mesh_boxes(scene);
   solid_parts_ = solid_parts(scene);
   scene_buffers(scene);
-  first_.fit(scene);
-  second_.fit(scene);
+  alpha_levels_ = {};
+  use_alpha(rule);
 }
 
-std::size_t DepthImages::draw(const LightCamera& camera, Texture& target, Faces faces) {
-  return draw(first_, camera, target, faces);
+void DepthImages::use_alpha(AlphaRule rule) {
+  alpha_levels_.use(*scene_, rule);
+  first_.fit(*scene_, rule);
+  second_.fit(*scene_, rule);
 }
 
-std::size_t DepthImages::draw_second(const LightCamera& camera, const Texture& first, Texture& target) {
+std::size_t DepthImages::draw(const LightCamera& camera, Texture& target, Faces faces, const HoleTest& test) {
+  return draw(first_, camera, target, faces, test);
+}
+
+std::size_t DepthImages::draw_second(const LightCamera& camera, const Texture& first, Texture& target, const HoleTest& test) {
   glBindTextureUnit(3, first.name());
-  return draw(second_, camera, target, Faces::all);
+  return draw(second_, camera, target, Faces::all, test);
 }
 
-std::size_t DepthImages::draw(const CasterPrograms& programs, const LightCamera& camera, Texture& target, Faces faces) {
+std::size_t DepthImages::draw(CasterPrograms& programs, const LightCamera& camera, Texture& target, Faces faces,
+                              const HoleTest& test) {
+  if (test.rule != hole_test().rule) programs.fit(*scene_, test.rule);
   target.fit(GL_DEPTH_COMPONENT32F, camera.resolution, camera.resolution, std::max(camera.layer_count, 1));
   const SceneBuffers& buffers = scene_buffers(*scene_);
   const GLuint framebuffer = framebuffer_.name();
@@ -73,7 +81,7 @@ std::size_t DepthImages::draw(const CasterPrograms& programs, const LightCamera&
       (faces == Faces::lit && is_seen_from_outside(solid_parts_[m], image) ? lit : all).push_back(m);
       triangles += buffers.meshes[m].triangle_count;
     }
-    buffers.draw(all, programs);
+    buffers.draw(all, programs, test);
     if (lit.empty()) continue;
     glEnable(GL_CULL_FACE);
     glFrontFace(glm::determinant(image.light_from_world) < 0 ? GL_CW : GL_CCW);  // a mirrored face turns triangles about

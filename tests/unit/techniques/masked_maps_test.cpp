@@ -113,9 +113,10 @@ TEST_F(MaskedMaps, a_mask_does_not_stay_for_the_next_scene) {
   }
 }
 
+// The first has places below 0.
 TEST_F(MaskedMaps, two_masks_of_other_sizes_and_wraps_are_told_apart) {
   Scene scene = cards_over_ground();
-  scene.meshes[1] = masked::card(0.8f, 1, masked::mask_of({"#...", "....", "..#.", "...."}, masked::Wrap::mirror), 3);
+  scene.meshes[1] = masked::card(0.8f, 1, masked::mask_of({"#...", "....", "..#.", "...."}, masked::Wrap::mirror), -3);
   scene.meshes.push_back(masked::card(0.9f, 2, masked::mask_of({"##...", "#....", "....#"}, masked::Wrap::clamp), 2));
   for (Mesh& mesh : scene.meshes) finish(mesh);
   const GBuffer gbuffer = picture(scene);

@@ -135,6 +135,20 @@ struct MeshRange {
   bool has_holes = false;  ///< has an alpha mask
 };
 
+/// What decides whether a fragment of a caster with an alpha mask lies in a hole: the bit of its texel, which is the truth, or
+/// what others do. They read alpha, which AlphaLevels makes.
+enum class AlphaRule {
+  texel,      ///< the bit of the texel
+  mips,       ///< alpha between the texels of two levels, against the cutoff
+  mips_kept,  ///< the same of levels of which as many texels pass the cutoff as of the first
+  hashed,     ///< alpha of the texel, against a threshold that is a hash of the place
+};
+/// A rule and the storage buffer that it reads; 0, and the bits of the scene, for the texel's.
+struct HoleTest {
+  AlphaRule rule = AlphaRule::texel;
+  GLuint alpha = 0;
+};
+
 /// All meshes one after the other. `triangles` holds three uint32 a triangle, counted over the whole scene (base vertex 0).
 struct SceneBuffers {
   Buffer positions;          ///< tightly packed vec3 float, the very floats of the Scene
@@ -142,53 +156,57 @@ struct SceneBuffers {
   VertexArray vertex_array;  ///< attribute 0 = position, and the element buffer; 2 and 3 where there are alpha masks
   Buffer uv;                 ///< vec2 float, attribute 2: places in alpha masks
   Buffer mask_of;            ///< int32, attribute 3: the number of the vertex's alpha mask; -1: it has none
-  Buffer masks;              ///< of mask_fragment_snippet; empty where no mesh has one
+  Buffer masks;              ///< what in_hole() reads for AlphaRule::texel; empty where no mesh has one
   std::vector<MeshRange> meshes;
   std::size_t bytes = 0;
   /// Draws the triangles of these meshes, in order, by one call; neighbors are drawn as one. Leaves no vertex array bound.
   void draw(const std::vector<std::uint32_t>& which) const;
-  /// For programs with mask_fragment_snippet. Nothing where no mesh has an alpha mask.
-  void bind_masks() const;
+  /// For masked programs of the test's rule. Nothing where no mesh has an alpha mask.
+  void bind_masks(const HoleTest& test = {}) const;
   /// Draws with the one program those without holes, then with the other those that have some: drivers decide depth early only
   /// where no fragment is discarded. Leaves the one for solid triangles current.
-  void draw(const std::vector<std::uint32_t>& which, const class CasterPrograms& programs) const;
+  void draw(const std::vector<std::uint32_t>& which, const class CasterPrograms& programs, const HoleTest& test = {}) const;
 };
 
 /// Attributes 2 and 3 for a vertex array of one's own over these buffers. Nothing where no mesh has an alpha mask.
 void add_mask_attributes(const VertexArray& vertex_array, const SceneBuffers& buffers);
 
-/// The vertex and fragment shader of a pass over triangles as two programs: one for those without holes, and one that leaves
-/// holes out, in which MASKED is defined and the two snippets below come first. Where MASKED is defined the vertex shader calls
-/// hand_on_mask(), and the fragment shader discards where in_hole().
+/// The vertex and fragment shader of a pass over triangles as programs: one for those without holes, and for each rule one that
+/// leaves holes out, in which MASKED is defined. There the vertex shader, whose attribute 0 is `position`, calls
+///   void hand_on_mask()
+/// and the fragment shader discards, before any other discard, where
+///   bool in_hole()
+/// By the texel's rule that is floor(uv * size), wrapped, of the very bits of AlphaMask; what rounding of uv to float32 adds is
+/// the pass's own error. Attributes 2 and 3; storage block 7.
 class CasterPrograms {
  public:
   CasterPrograms() = default;
   CasterPrograms(std::string_view title, std::string_view vertex, std::string_view fragment);
-  /// Compiles the second one at the first scene that needs it: for `build`.
-  void fit(const Scene& scene);
+  /// Compiles the one of a rule at the first scene that needs it: for `build`, and for stages in which the rule may change.
+  void fit(const Scene& scene, AlphaRule rule = AlphaRule::texel);
   const Program& solid() const { return solid_; }
-  const Program& masked() const { return masked_; }
-  /// Of both.
+  const Program& masked(AlphaRule rule = AlphaRule::texel) const { return masked_[number_of(rule)]; }
+  /// Of all.
   void set(const char* uniform, const auto& value) const {
-    for_both([&](const Program& program) { program.set(uniform, value); });
+    for_all([&](const Program& program) { program.set(uniform, value); });
   }
   void set_if_used(const char* uniform, const auto& value) const {
-    for_both([&](const Program& program) { program.set_if_used(uniform, value); });
+    for_all([&](const Program& program) { program.set_if_used(uniform, value); });
   }
 
  private:
-  void for_both(const auto& use) const {
+  /// Levels differ in what they hold, not in how they are read.
+  static std::size_t number_of(AlphaRule rule) { return rule == AlphaRule::texel ? 0 : rule == AlphaRule::hashed ? 2 : 1; }
+  void for_all(const auto& use) const {
     use(solid_);
-    if (masked_) use(masked_);
+    for (const Program& program : masked_)
+      if (program) use(program);
   }
   std::string title_, vertex_, fragment_;
-  Program solid_, masked_;
+  Program solid_;
+  std::array<Program, 3> masked_;
 };
 
-/// Vertex and fragment shader code of passes that leave holes out: `void hand_on_mask()` of the vertex, `bool in_hole()` of the
-/// fragment, whose texel is floor(uv * size), wrapped, of the very bits of AlphaMask; what rounding of uv to float32 adds is
-/// the pass's own error. Storage block 7.
-extern const std::string_view mask_vertex_snippet, mask_fragment_snippet;
 /// For CasterPrograms that draw depth alone; `clip_from_world` is their only uniform.
 extern const std::string depth_vertex, depth_fragment;
 

@@ -1,4 +1,5 @@
 #pragma once
+#include <gnomon/kit/maps/alpha_setting.h>
 #include <gnomon/kit/maps/light_map.h>
 #include <gnomon/kit/shared.h>
 
@@ -42,12 +43,14 @@ class AreaMap : public Technique {
     int resolution, most_radius;
   };
   explicit AreaMap(const Defaults& defaults) : defaults_(defaults) {}
-  Support supports(const Scene&, const Light& light, const View&) const override;
+  Support supports(const Scene& scene, const Light& light, const View&) const override;
   void setup() override;
   void build(const Scene& scene) override;
   void relight(const Light& light) override;
   void resolve(const GBuffer& gbuffer, VisibilityMask& mask) override;
   Counts counts() const override;
+  /// Where `alpha` is a cause; nothing elsewhere.
+  std::optional<Explanation> explain(std::size_t index) const override;
   std::vector<DebugLayer> debug_layers() const override;
   std::vector<float> draw_debug(std::string_view layer) const override;
 
@@ -72,6 +75,7 @@ class AreaMap : public Technique {
   Number<double> depth_bias =
       Number<double>(this, "depth_bias", 0.25, {.unit = "texel", .min = 0, .max = 64}, Stage::resolve,
                      "Beside the bias of the receiver's plane: along the image's axis, in widths of a texel at the point.");
+  AlphaSetting alpha{this, Stage::relight};
 
   /// What all lights share: a member of it each technique passes to `another`.
   struct Made {
@@ -85,6 +89,7 @@ class AreaMap : public Technique {
     const AreaMap* read_of = nullptr;
     std::vector<float> depths;
     std::vector<glm::vec4> accounts;
+    std::optional<AlphaDifference> alpha_difference;
   };
   Shared<Made> made_;
 
@@ -97,18 +102,27 @@ class AreaMap : public Technique {
   const LightCamera& camera() const { return camera_; }
   const GBuffer& gbuffer() const { return *gbuffer_; }
   bool faces(std::size_t index) const { return faces_light(*made_->scene, *gbuffer_, light_, index); }
-  std::vector<float> answer() const;
+  /// What of `alpha` explains an error of the last resolve; empty where nothing does.
+  std::string_view alpha_cause(std::size_t index) const;
 
  private:
+  /// Of all images.
+  struct Images {
+    Texture depths, nearest;
+  };
   int margin() const { return most_radius + 2; }
   int program_index() const { return std::holds_alternative<RectLight>(light_.kind) ? 0 : 1; }
   Program program(int which, std::string_view title, std::string_view first_line) const;
   void draw_images(LightCamera&& camera);
-  void look_up(const Program& program, unsigned target) const;
+  /// Draws the images of the present camera; answers how many triangles were drawn.
+  std::size_t draw(Images& images, const HoleTest& test) const;
+  void look_up(const Program& program, const Images& images, unsigned target) const;
+  std::vector<float> answer(const Images& images) const;
+  void start_questions() const;
 
   Light light_, center_;
   LightCamera camera_;
-  Texture depths_, nearest_;
+  Images images_;
   std::size_t drawn_triangles_ = 0;
   const GBuffer* gbuffer_ = nullptr;
 };

@@ -1,4 +1,5 @@
 #pragma once
+#include <gnomon/kit/maps/alpha_setting.h>
 #include <gnomon/kit/maps/map_comparison.h>
 #include <gnomon/kit/maps/stored_depth.h>
 #include <gnomon/kit/shared.h>
@@ -11,8 +12,9 @@ namespace gnomon {
 /// point, times the parameter, gives meters.
 class ComparedMap : public Technique {
  public:
-  Support supports(const Scene&, const Light& light, const View&) const override {
-    return light_map_support(light, resolution, comparison().margin(), MapComparison::constant_count, images());
+  Support supports(const Scene& scene, const Light& light, const View&) const override {
+    return alpha.limit(scene,
+                       light_map_support(light, resolution, comparison().margin(), MapComparison::constant_count, images()));
   }
   void setup() override;
   void build(const Scene& scene) override;
@@ -52,6 +54,7 @@ class ComparedMap : public Technique {
     const ComparedMap* read_of = nullptr;
     std::vector<float> read_depths;        // of all layers, read at the first question after a relight
     std::vector<glm::vec3> read_look_ups;  // by pixel, drawn at the first question after a resolve
+    std::optional<AlphaDifference> alpha_difference;
   };
   Shared<Made> made_;
 
@@ -61,13 +64,20 @@ class ComparedMap : public Technique {
   Number<double> depth_bias, slope_bias, normal_offset;
   Choice filter;
   Number<int> filter_radius;
+  AlphaSetting alpha{this, Stage::relight};
 
   /// Biases are for one texel: a filter compares with texels farther away.
   MapComparison comparison() const;
-  const Texture& map() const {
+  /// Arrays with one layer for each image that is drawn.
+  struct Depths {
+    Texture first, second, combined;
+  };
+  const Texture& map(const Depths& depths) const {
     const StoredDepth stored = stored_depth();
-    return stored.is_combined() ? combined_ : stored.needs_second() ? second_ : first_;
+    return stored.is_combined() ? depths.combined : stored.needs_second() ? depths.second : depths.first;
   }
+  /// Draws the images of the present camera; answers how many triangles were drawn.
+  std::size_t draw(Depths& depths, const HoleTest& test) const;
   void start_questions() const;
   const std::vector<float>& depths() const;
   /// A pixel's image and its place there, in texels, in the last resolve.
@@ -76,17 +86,19 @@ class ComparedMap : public Technique {
     glm::dvec2 texel;
   };
   Place looked_up(std::size_t index) const;
-  std::vector<float> answer() const;
+  std::vector<float> answer(const Depths& depths) const;
+  /// What of `alpha` explains a wrong pixel of the last resolve; empty where nothing does.
+  std::string_view alpha_cause(std::size_t index) const;
   void draw_images(LightCamera&& camera);
   /// Runs a program of resolve over all pixels, into a texture.
-  void look_up(const Program& program, unsigned target) const;
+  void look_up(const Program& program, const Depths& depths, unsigned target) const;
   Program resolve_program(LightProjection projection, bool explains) const;
   LightProjection projection() const { return projection_of(camera_); }
 
   Light light_;
   LightCamera camera_;
   bool draws_in_resolve_ = false;
-  Texture first_, second_, combined_;  // arrays with one layer for each image that is drawn
+  Depths depths_;
   std::size_t drawn_triangles_ = 0;
   const GBuffer* gbuffer_ = nullptr;
 };

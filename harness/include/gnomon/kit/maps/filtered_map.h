@@ -1,4 +1,5 @@
 #pragma once
+#include <gnomon/kit/maps/alpha_setting.h>
 #include <gnomon/kit/maps/light_map.h>
 #include <gnomon/kit/maps/prefilter.h>
 #include <gnomon/kit/shared.h>
@@ -70,6 +71,7 @@ class FilteredMap : public Technique {
                      "What a point is nearer to the light by when it is asked for, in widths of a texel at the point.");
   Number<double> leak_reduction = Number<double>(this, "leak_reduction", 0, {.unit = "", .min = 0, .max = 0.95}, Stage::resolve,
                                                  "Answers up to this are dark, and the rest is stretched to 0 .. 1.");
+  AlphaSetting alpha{this, Stage::relight};
 
   /// What all lights share: a member of it each technique passes to `another`.
   struct Made {
@@ -84,12 +86,23 @@ class FilteredMap : public Technique {
     // What questions need, in memory: of one object at a time, for 64 lights' images fill a gigabyte.
     const FilteredMap* read_of = nullptr;
     std::vector<float> read_depths;
+    std::optional<AlphaDifference> alpha_difference;
   };
   Shared<Made> made_;
 
  private:
+  /// Of all images.
+  struct Images {
+    Texture depths, means;
+  };
   void draw_images(LightCamera&& camera);
-  void look_up(unsigned target) const;
+  /// Draws the images of the present camera; answers how many triangles were drawn.
+  std::size_t draw(Images& images, const HoleTest& test) const;
+  void look_up(const Images& images, unsigned target) const;
+  std::vector<float> answer(const Images& images) const;
+  /// What of `alpha` explains a wrong pixel of the last resolve; empty where nothing does.
+  std::string_view alpha_cause(std::size_t index) const;
+  void start_questions() const;
   Prefilter used_prefilter() const {
     const Blur::Weights weights = blur_weights.is("box") ? Blur::Weights::box : Blur::Weights::gaussian;
     return {Prefilter::Kind(prefilter.index()), weights, blur_radius, widest_footprint};
@@ -100,7 +113,7 @@ class FilteredMap : public Technique {
 
   Light light_;
   LightCamera camera_;
-  Texture depths_, means_;  // of all images
+  Images images_;
   std::size_t drawn_triangles_ = 0;
   const GBuffer* gbuffer_ = nullptr;
 };

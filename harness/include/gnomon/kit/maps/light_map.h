@@ -1,6 +1,7 @@
 #pragma once
 #include <gnomon/kit/geometry/edges.h>
 #include <gnomon/kit/gl/gl_pass.h>
+#include <gnomon/kit/maps/alpha_levels.h>
 #include <gnomon/kit/maps/light_camera.h>
 
 #include <functional>
@@ -19,25 +20,31 @@ class DepthImages {
 
   /// Compiles; needs the context.
   void setup();
-  /// The scene must live as long as images of it are drawn.
-  void build(const Scene& scene);
+  /// The scene must live as long as images of it are drawn. The rule is for `use_alpha`.
+  void build(const Scene& scene, AlphaRule rule = AlphaRule::texel);
   const MeshBoxes& boxes() const { return boxes_; }
+  /// Makes what a rule about holes needs, unless it is there: for stages in which the rule may change.
+  void use_alpha(AlphaRule rule);
+  /// By that rule; by the texel's where no mesh has a mask.
+  HoleTest hole_test() const { return alpha_levels_.hole_test(); }
 
   /// The first surface seen from the light, one layer for each image with casters, into `target`, which becomes D32F of the
-  /// camera's size: reversed depth, 0 where there is nothing. Answers how many triangles were drawn.
-  std::size_t draw(const LightCamera& camera, Texture& target, Faces faces = Faces::lit);
+  /// camera's size: reversed depth, 0 where there is nothing. Answers how many triangles were drawn. `test` is `hole_test` or
+  /// the texel's.
+  std::size_t draw(const LightCamera& camera, Texture& target, Faces faces = Faces::lit, const HoleTest& test = {});
   /// The first surface strictly behind that of `first`; what is as near as that is the same surface, or one glued to it.
-  std::size_t draw_second(const LightCamera& camera, const Texture& first, Texture& target);
+  std::size_t draw_second(const LightCamera& camera, const Texture& first, Texture& target, const HoleTest& test = {});
 
-  std::size_t bytes() const { return boxes_.meshes.size() * sizeof(MeshBox) + bytes_of(solid_parts_); }
+  std::size_t bytes() const { return boxes_.meshes.size() * sizeof(MeshBox) + bytes_of(solid_parts_) + alpha_levels_.bytes(); }
 
  private:
-  std::size_t draw(const CasterPrograms& programs, const LightCamera& camera, Texture& target, Faces faces);
+  std::size_t draw(CasterPrograms& programs, const LightCamera& camera, Texture& target, Faces faces, const HoleTest& test);
   CasterPrograms first_, second_;
   Framebuffer framebuffer_;
   const Scene* scene_ = nullptr;
   MeshBoxes boxes_;
   SolidParts solid_parts_;
+  AlphaLevels alpha_levels_;
 };
 
 /// How a camera looks; for shaders PROJECTION of `light_map_head`.
