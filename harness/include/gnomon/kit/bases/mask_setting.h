@@ -17,8 +17,8 @@ class MaskSetting {
   explicit MaskSetting(Parametrized* owner)
       : mask_(
             owner, "mask", "cut", {"cut", "filled"}, Stage::build,
-            "Casters with holes: the solid parts of their alpha masks cut into polygons; or their outlines, as if they had no "
-            "holes."),
+            "Casters with holes: cut takes the solid parts of their alpha masks, as polygons; filled takes whole triangles, as "
+            "if they had no holes."),
         most_(owner, "mask_limit", 200'000, {.unit = "polygons", .min = 1, .max = 10'000'000, .log = true}, Stage::build,
               "The most polygons that the alpha masks of a scene may be cut into: with more it is not supported.") {}
 

@@ -6,7 +6,7 @@ namespace gnomon {
 
 /// Causes of techniques with an AlphaSetting, for their About.
 inline constexpr OwnCause alpha_causes[] = {
-    {"mip_level", "A coarser level of the alpha mask, not its texel, decided.", {240, 156, 228}},
+    {"mip_level", "Alpha filtered between texels or levels of the mask, not its bit, decided.", {240, 156, 228}},
     {"hashed_threshold", "A random threshold, not the mask's bit, decided.", {252, 252, 36}},
 };
 
@@ -18,9 +18,9 @@ class AlphaSetting {
  public:
   AlphaSetting(Parametrized* owner, Stage spoils)
       : rule_(owner, "alpha", "texel", {"texel", "mips", "mips_kept", "hashed"}, spoils,
-              "Casters with holes: what decides for a texel of the map. The mask's bit; alpha between texels and levels of the "
-              "mask, against the cutoff; the same with levels that keep the mask's solid share; or alpha against a threshold "
-              "that is random for each place.") {}
+              "Casters with holes: what decides for a texel of the map. texel: the mask's bit. mips: alpha between texels and "
+              "levels of the mask, against the cutoff. mips_kept: the same, with levels that keep the mask's solid share. hashed: "
+              "alpha against a threshold that is random for each place.") {}
 
   AlphaRule rule() const { return AlphaRule(rule_.index()); }
   /// What is left of `support` where the device's storage buffers must hold what the rule reads.
