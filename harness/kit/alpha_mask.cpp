@@ -21,6 +21,12 @@ float bilinear(std::span<const std::uint8_t> alpha, int width, int height, Alpha
   return static_cast<float>((1 - t) * ((1 - s) * at(0, 0) + s * at(1, 0)) + t * ((1 - s) * at(0, 1) + s * at(1, 1)));
 }
 
+std::size_t solid_texels(std::span<const std::uint32_t> bits) {
+  std::size_t solid = 0;
+  for (const std::uint32_t word : bits) solid += static_cast<std::size_t>(std::popcount(word));
+  return solid;
+}
+
 }  // namespace
 
 AlphaMask::AlphaMask(int width, int height, std::span<const std::uint8_t> alpha, float factor, float cutoff, Wrap wrap_u,
@@ -52,6 +58,7 @@ AlphaMask::AlphaMask(int width, int height, std::span<const std::uint8_t> alpha,
       alpha_[i] = static_cast<std::uint8_t>(std::lround(value));
       if (value / 255 * factor >= cutoff) bits_[std::size_t(y) * words() + x / 32] |= 1u << (x & 31);
     }
+  solid_ = solid_texels(bits_);
 }
 
 AlphaMask::AlphaMask(Parts parts)
@@ -78,12 +85,7 @@ AlphaMask::AlphaMask(Parts parts)
   for (int y = 0; y < height_; ++y)
     if ((bits_[std::size_t(y + 1) * words() - 1] & beyond) != 0)
       throw Error("a stored mask of {} texels a row has solid ones behind the end of row {}", width_, y);
-}
-
-double AlphaMask::coverage() const {
-  std::size_t solid = 0;
-  for (const std::uint32_t word : bits_) solid += static_cast<std::size_t>(std::popcount(word));
-  return static_cast<double>(solid) / (static_cast<double>(width_) * height_);
+  solid_ = solid_texels(bits_);
 }
 
 }  // namespace gnomon

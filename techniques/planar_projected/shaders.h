@@ -36,6 +36,7 @@ void main() {
   float w = abs(image.w) < least_share ? least_share : image.w;
   gl_Position = place(vec4(image.xyz / w, 1));
 #ifdef MASKED
+  gl_Position *= abs(w);  // the same place; the mask is seen in perspective
   hand_on_mask();
 #endif
 }

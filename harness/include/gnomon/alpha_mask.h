@@ -55,7 +55,7 @@ class AlphaMask {
     return is_solid(wrapped(column, width_, wrap_u_), wrapped(row, height_, wrap_v_));
   }
   /// The share of texels that are solid.
-  double coverage() const;
+  double coverage() const { return static_cast<double>(solid_) / (static_cast<double>(width_) * height_); }
   std::size_t bytes() const { return bits_.size() * 4 + alpha_.size(); }
 
   /// -1 becomes size - 1, 0 and 0 when repeated, mirrored and clamped.
@@ -71,6 +71,7 @@ class AlphaMask {
   int width_ = 0, height_ = 0;
   Wrap wrap_u_ = Wrap::repeat, wrap_v_ = Wrap::repeat;
   float factor_ = 1, cutoff_ = 0.5f;
+  std::size_t solid_ = 0;  ///< texels
   std::vector<std::uint32_t> bits_;
   std::vector<std::uint8_t> alpha_;
 };

@@ -208,7 +208,8 @@ Mesh merge(std::span<const Mesh> parts, std::string name) {
   Mesh whole;
   whole.name = std::move(name);
   for (const Mesh& part : parts) {
-    assert(!part.alpha_mask);
+    if (part.alpha_mask)
+      throw Error("part {} of mesh {} has an alpha mask, and merged meshes have none", part.name, whole.name);
     const auto offset = static_cast<std::uint32_t>(whole.positions.size());
     whole.positions.insert(whole.positions.end(), part.positions.begin(), part.positions.end());
     for (const glm::uvec3& triangle : part.triangles) whole.triangles.push_back(triangle + offset);

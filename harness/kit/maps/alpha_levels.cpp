@@ -127,11 +127,12 @@ void AlphaLevels::use(const Scene& scene, AlphaRule rule) {
   if (!scene.has_alpha_masks()) rule = AlphaRule::texel;
   if (rule == rule_) return;
   levels_ = {};
-  rule_ = rule;
+  rule_ = AlphaRule::texel;
   if (rule == AlphaRule::texel) return;
   require_storage_block(alpha_bytes(scene, rule));
   const std::vector<std::uint32_t> words = words_for_shaders(scene, rule);
   levels_ = Buffer(words.data(), words.size() * 4);
+  rule_ = rule;
 }
 
 }  // namespace gnomon

@@ -71,9 +71,17 @@ std::uint32_t GltfMasks::image(const Json& texture, const std::string& where) {
     ++without_source_;
     return ImportedMask::no_image;
   }
-  const auto [known, is_new] = known_.emplace(*source, ImportedMask::no_image);
-  if (is_new) known->second = read_image(*source);
-  return known->second;
+  if (const auto known = known_.find(*source); known != known_.end()) return known->second;
+  return known_[*source] = read_image(*source);
+}
+
+ImportedMask GltfMasks::broken(const std::string& where, const std::string& why) {
+  MaskImage& image = answer_.mask_images.emplace_back();
+  image.name = where;
+  image.failure = why;
+  ImportedMask mask;
+  mask.image = static_cast<std::uint32_t>(answer_.mask_images.size() - 1);
+  return mask;
 }
 
 std::uint32_t GltfMasks::read_image(std::size_t index) {

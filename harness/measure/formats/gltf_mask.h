@@ -29,6 +29,8 @@ class GltfMasks {
 
   /// Of a material of alphaMode MASK whose color has the image of a textureInfo. Without an image where that is missing.
   ImportedMask mask(const Json& material, const std::string& where, const Json& texture, double factor);
+  /// In place of one that cannot be read: it is refused where it is used.
+  ImportedMask broken(const std::string& where, const std::string& why);
   /// What was left out.
   void note();
 

@@ -227,8 +227,14 @@ void GltfMeshes::read_material(const Primitive& primitive, ImportedMesh& mesh) {
   const Json* transmission = file_.extension_of(material, "KHR_materials_transmission");
   mesh.is_transparent = blends || (transmission && file_.number(*transmission, where, "transmissionFactor", 0) > 0);
   const Json* texture = object_in(colors, texture_key);
-  if (mode == "MASK" && texture) mesh.mask = masks_.mask(material, where, *texture, alpha);
-  add_uv(primitive, texture, mesh);
+  // What is wrong with a mask is said where it is used: a description may take the mesh for solid.
+  try {
+    if (mode == "MASK" && texture) mesh.mask = masks_.mask(material, where, *texture, alpha);
+    add_uv(primitive, texture, mesh);
+  } catch (const Error& error) {
+    mesh.uv.clear();
+    mesh.mask = masks_.broken(where, error.what());
+  }
 }
 
 /// The coordinates of the color's image, where a mask needs them or they are wanted; nothing where there are none.

@@ -14,6 +14,7 @@
 
 #include "measure/part_file.h"
 #include "measure/paths.h"
+#include "measure/scene/base_scene.h"
 #include "measure/scene/fields.h"
 
 namespace gnomon {
@@ -94,9 +95,11 @@ void put_masks(Masks all, Scene& scene) {
       throw Error("scene bytes have {} uv for the {} vertices of mesh {} ({})", one.uv.size(), mesh.positions.size(), one.mesh,
                   mesh.name);
     for (std::size_t v = 0; v < one.uv.size(); ++v)
-      if (!std::isfinite(one.uv[v].x) || !std::isfinite(one.uv[v].y))
-        throw Error("scene bytes have uv = ({}, {}), which is not finite, for vertex {} of mesh {} ({})", one.uv[v].x,
-                    one.uv[v].y, v, one.mesh, mesh.name);
+      if (!is_sound_uv(one.uv[v]))
+        throw Error("scene bytes have uv = ({}, {}), which is not within {} .. {}, for vertex {} of mesh {} ({})", one.uv[v].x,
+                    one.uv[v].y, -largest_uv, largest_uv, v, one.mesh, mesh.name);
+    if (mesh.has_curved_shape())
+      throw Error("scene bytes have an alpha mask for mesh {} ({}), whose shape is curved", one.mesh, mesh.name);
     mesh.alpha_mask = masks[one.mask];
     mesh.uv = std::move(one.uv);
   }

@@ -211,6 +211,11 @@ void finish_scene(Scene& scene, const std::string& where) {
   std::size_t dropped = 0;
   for (Mesh& mesh : scene.meshes) {
     check_vertices(mesh, where);
+    if (mesh.alpha_mask && mesh.has_curved_shape()) {
+      mesh.shape.reset();
+      scene.notes.push_back(
+          fmt::format("mesh '{}' has an alpha mask: its triangles are taken, not its exact shape", mesh.name));
+    }
     finish(mesh);
     dropped += mesh.facts.degenerate_count;
   }

@@ -1,5 +1,6 @@
 // Scenes with alpha masks from files: images of every kind, sharing, duplicates, descriptions, and what is refused.
 #include <gnomon/kit/geometry/holes.h>
+#include <gnomon/kit/geometry/shapes.h>
 #include <gtest/gtest.h>
 #include <zlib.h>
 
@@ -311,6 +312,17 @@ TEST(AlphaMaskLoad, a_generated_mesh_must_have_a_place_for_each_vertex) {
   expect_words(error_of([&] { finish_scene(scene, "here"); }), {"3 of its 4 vertices", "here"});
   scene.meshes[0].uv.emplace_back(NAN, 0);
   expect_words(error_of([&] { finish_scene(scene, "here"); }), {"vertex 3", "uv = (nan, 0)", "here"});
+}
+
+TEST(AlphaMaskLoad, a_curved_shape_with_a_mask_is_its_triangles) {
+  Scene scene;
+  scene.meshes = {tessellate(Disc{}, 16, "leaf")};
+  scene.meshes[0].alpha_mask = std::make_shared<const AlphaMask>(2, 1, std::vector<std::uint8_t>{0, 255});
+  scene.meshes[0].uv.resize(scene.meshes[0].positions.size());
+  finish_scene(scene, "here");
+  EXPECT_FALSE(scene.meshes[0].shape);
+  ASSERT_EQ(scene.notes.size(), 1u);
+  EXPECT_NE(scene.notes[0].find("'leaf' has an alpha mask"), std::string::npos);
 }
 
 }  // namespace alpha_mask_load_test

@@ -160,4 +160,13 @@ TEST(blob_masks, that_fit_no_mask_or_no_mesh_are_refused) {
   EXPECT_THROW(read({.uv = {{0, 0}, {0, std::numeric_limits<float>::infinity()}, {0, 0}, {0, 0}}}), Error);
 }
 
+TEST(blob_masks, places_that_no_loader_takes_are_refused) {
+  Scene scene = masked_scene();
+  scene.meshes[2].uv[1] = {0, 3e38f};
+  EXPECT_THROW(scene_from_bytes(scene_bytes(scene)), Error);
+  scene = masked_scene();
+  scene.meshes[2].shape = Disc{};
+  EXPECT_THROW(scene_from_bytes(scene_bytes(scene)), Error);
+}
+
 }  // namespace blob_masks_test

@@ -34,9 +34,9 @@ class MaskedMaps : public testing::Test {
     release_inputs();
   }
 
-  /// Mean of |V - V_exact| over the pixels that face the light.
+  /// Mean of |V - V_exact| over the pixels that face the light, of one mesh where that is given.
   static double error(const std::string& id, const std::string& settings, const Scene& scene, const Light& light,
-                      const GBuffer& gbuffer) {
+                      const GBuffer& gbuffer, std::optional<std::uint32_t> mesh = {}) {
     const TechniqueEntry& entry = registry().technique(id);
     const auto technique = entry.make();
     technique->apply(settings);
@@ -52,7 +52,7 @@ class MaskedMaps : public testing::Test {
     double sum = 0;
     int count = 0;
     for (std::size_t i = 0; i < gbuffer.size(); ++i) {
-      if (!faces_light(scene, gbuffer, light, i)) continue;
+      if (!faces_light(scene, gbuffer, light, i) || (mesh && gbuffer.mesh[i] != *mesh)) continue;
       sum += std::abs(pixels[i] - truth[i]);
       ++count;
     }
@@ -98,6 +98,17 @@ TEST_F(MaskedMaps, every_map_sees_holes) {
       EXPECT_LT(error(one.id, one.settings, scene, light, gbuffer), one.most)
           << one.id << ":" << one.settings << " " << light.name;
     }
+}
+
+// A leaning card is nearer to the light at one end: its shadow on the ground is in perspective, clipped or not.
+TEST_F(MaskedMaps, the_mask_is_projected_with_a_leaning_card) {
+  Scene scene = cards_over_ground();
+  for (glm::vec3& point : scene.meshes[1].positions) point.y += 0.8f * point.x;
+  finish(scene.meshes[1]);
+  const GBuffer gbuffer = picture(scene);
+  for (const Light& light : scene.lights)
+    for (const char* settings : {"", "unclipped=true"})
+      EXPECT_LT(error("planar_projected", settings, scene, light, gbuffer, 0), 0.01) << light.name << ' ' << settings;
 }
 
 // A filled card of the same size, drawn after one with holes, is not affected by it, and the other way round.
