@@ -17,10 +17,11 @@ inline constexpr OwnCause alpha_causes[] = {
 class AlphaSetting {
  public:
   AlphaSetting(Parametrized* owner, Stage spoils)
-      : rule_(owner, "alpha", "texel", {"texel", "mips", "mips_kept", "hashed"}, spoils,
-              "Casters with holes: what decides for a texel of the map. texel: the mask's bit. mips: alpha between texels and "
-              "levels of the mask, against the cutoff. mips_kept: the same, with levels that keep the mask's solid share. hashed: "
-              "alpha against a threshold that is random for each place.") {}
+      : rule_(
+            owner, "alpha", "texel", {"texel", "mips", "mips_kept", "hashed"}, spoils,
+            "Casters with holes: what decides for a texel of the map. texel: the mask's bit. mips: alpha between texels and "
+            "levels of the mask, against the cutoff. mips_kept: the same, with levels that keep the mask's solid share. hashed: "
+            "alpha against a threshold that is random for each place.") {}
 
   AlphaRule rule() const { return AlphaRule(rule_.index()); }
   /// What is left of `support` where the device's storage buffers must hold what the rule reads.
