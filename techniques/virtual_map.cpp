@@ -230,14 +230,9 @@ class VirtualMap final : public Technique {
     const AlphaRule rule = made_->drawer.hole_test().rule;
     if (rule == AlphaRule::texel) return "";
     looked_up();  // what is read back is this object's from here on
-    std::optional<AlphaDifference>& difference = made_->read_back.alpha_difference;
-    if (!difference) {
-      const StateGuard guard;
-      Texture by_texel;
-      made_->drawer.draw(camera_, table_, lists_, layout_, by_texel, {});
-      difference.emplace(rule, answer(pool_), answer(by_texel), false);
-    }
-    return difference->cause(index);
+    const auto draw = [&](Texture& by_texel) { made_->drawer.draw(camera_, table_, lists_, layout_, by_texel, {}); };
+    return AlphaDifference::cause(made_->read_back.alpha_difference, rule, false, index, pool_, draw,
+                                  [&](const Texture& pool) { return answer(pool); });
   }
 
   /// What questions need, in memory: of one object at a time.

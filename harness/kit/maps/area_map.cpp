@@ -185,13 +185,9 @@ std::string_view AreaMap::alpha_cause(std::size_t index) const {
   const AlphaRule rule = made_->depth_images.hole_test().rule;
   if (rule == AlphaRule::texel) return "";
   start_questions();
-  if (!made_->alpha_difference) {
-    const StateGuard guard;
-    Images by_texel;
-    draw(by_texel, {});
-    made_->alpha_difference.emplace(rule, answer(images_), answer(by_texel), has_area(light_));
-  }
-  return made_->alpha_difference->cause(index);
+  const auto draw_by_texel = [&](Images& by_texel) { draw(by_texel, {}); };
+  return AlphaDifference::cause(made_->alpha_difference, rule, has_area(light_), index, images_, draw_by_texel,
+                                [&](const Images& one) { return answer(one); });
 }
 
 std::optional<Explanation> AreaMap::explain(std::size_t index) const {

@@ -165,13 +165,9 @@ std::string_view ComparedMap::alpha_cause(std::size_t index) const {
   const AlphaRule rule = made_->depth_images.hole_test().rule;
   if (rule == AlphaRule::texel) return "";
   start_questions();
-  if (!made_->alpha_difference) {
-    const StateGuard guard;
-    Depths by_texel;
-    draw(by_texel, {});
-    made_->alpha_difference.emplace(rule, answer(depths_), answer(by_texel), has_area(light_));
-  }
-  return made_->alpha_difference->cause(index);
+  const auto draw_by_texel = [&](Depths& by_texel) { draw(by_texel, {}); };
+  return AlphaDifference::cause(made_->alpha_difference, rule, has_area(light_), index, depths_, draw_by_texel,
+                                [&](const Depths& one) { return answer(one); });
 }
 
 std::optional<Explanation> ComparedMap::explain(std::size_t index) const {

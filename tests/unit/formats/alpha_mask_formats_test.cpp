@@ -7,32 +7,16 @@
 #include <limits>
 #include <numbers>
 
+#include "error_words.h"
 #include "measure/formats/mesh_file.h"
 #include "measure/scratch_folder.h"
 
 namespace alpha_mask_formats_test {
 
 using namespace gnomon;
+using namespace error_words;
 using namespace gnomon::importing;
 namespace fs = std::filesystem;
-
-template <class Action>
-std::string error_of(const Action& action) {
-  try {
-    action();
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "";
-}
-void expect_words(const std::string& text, const std::vector<std::string>& words) {
-  for (const std::string& word : words) EXPECT_NE(text.find(word), std::string::npos) << '"' << word << "\" in: " << text;
-}
-bool has_note(const MeshFile& file, const std::string& words) {
-  for (const std::string& note : file.notes)
-    if (note.find(words) != std::string::npos) return true;
-  return false;
-}
 
 // --- glTF
 

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <fstream>
 
+#include "error_words.h"
 #include "measure/scene/base_scene.h"
 #include "measure/scene/load.h"
 #include "measure/scratch_folder.h"
@@ -14,6 +15,7 @@
 namespace alpha_mask_load_test {
 
 using namespace gnomon;
+using namespace error_words;
 namespace fs = std::filesystem;
 
 std::string big_endian(std::uint32_t value) {
@@ -47,24 +49,6 @@ std::string png_of(std::uint32_t width, const std::vector<int>& alpha) {
   std::string pixels;
   for (const int a : alpha) pixels += std::string{char(77), static_cast<char>(a)};
   return png(width, static_cast<std::uint32_t>(alpha.size()) / width, 8, 4, pixels);
-}
-
-template <class Action>
-std::string error_of(const Action& action) {
-  try {
-    action();
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "";
-}
-void expect_words(const std::string& text, const std::vector<std::string>& words) {
-  for (const std::string& word : words) EXPECT_NE(text.find(word), std::string::npos) << '"' << word << "\" in: " << text;
-}
-bool has_note(const Scene& scene, const std::string& words) {
-  for (const std::string& note : scene.notes)
-    if (note.find(words) != std::string::npos) return true;
-  return false;
 }
 
 const std::string card =

@@ -1,4 +1,5 @@
 #pragma once
+#include <gnomon/kit/gl/gl.h>
 #include <gnomon/kit/maps/alpha_levels.h>
 #include <gnomon/technique.h>
 
@@ -45,6 +46,19 @@ class AlphaDifference {
   AlphaDifference(AlphaRule rule, std::span<const float> answer, std::span<const float> by_texel, bool has_area);
   /// One of `alpha_causes`, or nothing.
   std::string_view cause(std::size_t pixel) const { return differs_[pixel] != 0 ? cause_ : ""; }
+  /// The same; at the first question `draw` makes images by the texel's rule, and `answer` gives the masks of these and of
+  /// `images`.
+  template <class Images>
+  static std::string_view cause(std::optional<AlphaDifference>& difference, AlphaRule rule, bool has_area, std::size_t pixel,
+                                const Images& images, const auto& draw, const auto& answer) {
+    if (!difference) {
+      const StateGuard guard;
+      Images by_texel;
+      draw(by_texel);
+      difference.emplace(rule, answer(images), answer(by_texel), has_area);
+    }
+    return difference->cause(pixel);
+  }
 
  private:
   std::string_view cause_;
