@@ -4,10 +4,10 @@
 // Here on the processor: a triangle walks the cells that its shadow may touch, and the points in them are tested against the
 // planes through the light and its edges and against its own plane, in double with a proven bound, by exact signs where double
 // cannot decide. A triangle with an alpha mask darkens those of them that see it through a solid texel; the others wait for the
-// next triangle.
+// next triangle. Glass is noted for each point that it crosses, and multiplied when all triangles of the tile were walked.
 #include <gnomon/kit/add_up.h>
 #include <gnomon/kit/bases/point_technique.h>
-#include <gnomon/kit/geometry/holes.h>
+#include <gnomon/kit/geometry/light_through.h>
 #include <gnomon/kit/scratch_pool.h>
 #include <gnomon/registry.h>
 
@@ -24,13 +24,13 @@ constexpr About about{
         "Aila and Laine 2004; Johnson, Lee, Burns and Mark 2005; lists of points per cell and tests against the frustum of a "
         "triangle, without any depth: Wyman, Hoetzlein and Lefohn 2015",
     .error =
-        "None on the float32 points it is given: edges and vertices block, and the texel of an alpha mask is exact. "
-        "Tessellation on curved shapes.",
+        "None on the float32 points it is given: edges and vertices block, the texels of alpha masks and glass are "
+        "exact, and behind glass a point gets the product of what all of it lets through. Tessellation on curved shapes.",
     .fails =
         "Nothing it supports. Its cost depends on the view, and resolve pays nearly all of it: it is highest exactly where a "
         "shadow map would alias worst, where many points share a cell, which then meet each triangle that covers it.",
     .promise = Promise::exact,
-    .handles = with_alpha_masks};
+    .handles = with_gray_transmission};
 
 constexpr std::size_t caster_block = 16384;
 
@@ -40,7 +40,8 @@ struct Caster : Triangle {
 
 /// What a pixel was found to be.
 struct PixelAnswer {
-  std::uint32_t shaded_by = 0xffffffffu;  ///< a triangle of the scene; 0xffffffff: none
+  /// A triangle of the scene; 0xffffffff: none. Of glass alone the first that lets least through.
+  std::uint32_t shaded_by = 0xffffffffu;
   std::uint32_t tests = 0;
   std::uint32_t list = 0;  ///< samples of its cell, itself included
 };
@@ -50,11 +51,19 @@ struct Work {
   Work& operator+=(const Work& w) { return add_up(*this, w, &Work::walked, &Work::tests, &Work::exact); }
 };
 
+/// Glass that is crossed on the way from a pixel's point to the light.
+struct PixelCrossing {
+  std::uint32_t pixel;
+  Crossings::Crossed crossed;
+};
+
 /// What one thread works with.
 struct Scratch {
   std::vector<Run> runs;
   std::vector<std::uint32_t> candidates;
-  std::vector<std::int32_t> steps;  ///< of the number of tests, from each sample of the tile to the next
+  std::vector<std::int32_t> steps;   ///< of the number of tests, from each sample of the tile to the next
+  std::vector<PixelCrossing> glass;  ///< of the tile
+  Crossings crossings;
 };
 
 class AliasFreeMap final : public PointTechnique {
@@ -68,6 +77,7 @@ class AliasFreeMap final : public PointTechnique {
     built_->all_bounds = scene.bounds();
     built_->bounds = {};
     built_->has_holes = scene.has_alpha_masks();
+    built_->has_transmission = scene.has_transmission();
     built_->casters.clear();
     std::size_t count = 0;
     for (const Mesh& mesh : scene.meshes) count += mesh.casts ? mesh.triangles.size() : 0;
@@ -189,6 +199,7 @@ class AliasFreeMap final : public PointTechnique {
     scratch.runs.resize(cells);
     scratch.candidates.resize(std::max<std::size_t>(scratch.candidates.size(), tile.count + Grid::lanes));
     scratch.steps.assign(tile.count + 1, 0);
+    scratch.glass.clear();
     for (std::size_t c = 0; c + 1 < grid_.begins_per_tile(); ++c)
       for (std::uint32_t k = begins[c]; k < begins[c + 1]; ++k) answers_[grid_.pixel()[k]].list = begins[c + 1] - begins[c];
 
@@ -209,7 +220,7 @@ class AliasFreeMap final : public PointTechnique {
       }
       const std::uint32_t count =
           find_candidates(grid_.x(), grid_.y(), grid_.z(), scratch.runs.data(), runs, shadow, scratch.candidates.data());
-      dark += darken(caster, shadow, {scratch.candidates.data(), count}, mask, work);
+      dark += darken(caster, shadow, count, mask, scratch, work);
       // Dark samples are decided and leave the tile.
       if (2 * dark > tile.count) {
         note_tests(tile, scratch);
@@ -218,18 +229,24 @@ class AliasFreeMap final : public PointTechnique {
       }
     }
     note_tests(tile, scratch);
+    shine_through(mask, scratch);
     return work;
   }
-  /// Darkens the candidates that a caster shades, and returns how many.
-  std::uint32_t darken(const Caster& caster, const Shadow& shadow, std::span<const std::uint32_t> candidates,
-                       std::span<float> mask, Work& work) {
+  /// Darkens the first `candidate_count` candidates that a caster shades, and returns how many; of glass none, but notes them.
+  std::uint32_t darken(const Caster& caster, const Shadow& shadow, std::uint32_t candidate_count, std::span<float> mask,
+                       Scratch& scratch, Work& work) {
     std::uint32_t count = 0;
-    for (const std::uint32_t i : candidates) {
+    const std::optional<Crossings::Crossed> glass = glass_of(caster);
+    for (const std::uint32_t i : std::span(scratch.candidates).first(candidate_count)) {
       if (dark_[i]) continue;
       const bool clearly = std::ranges::all_of(
           shadow.sides, [&](const Side& s) { return s.at(grid_.x()[i], grid_.y()[i], grid_.z()[i]) > 2 * s.error; });
       const std::uint32_t pixel = grid_.pixel()[i];
       if (!shades(caster, pixel, clearly, work)) continue;
+      if (glass) {
+        scratch.glass.push_back({pixel, *glass});
+        continue;
+      }
       dark_[i] = 1;
       ++count;
       mask[pixel] = 0;
@@ -249,9 +266,34 @@ class AliasFreeMap final : public PointTechnique {
     return !built_->has_holes || is_solid(caster, {own.point, homogeneous_});
   }
   bool is_solid(const Caster& caster, const Segment& segment) const {
+    const Crossings::Crossed place = place_of(caster);
+    return is_solid_at(remembered_->scene->meshes[place.mesh], place.triangle, segment);
+  }
+  Crossings::Crossed place_of(const Caster& caster) const {
     const TriangleNumbers& numbers = remembered_->numbers;
     const std::uint32_t mesh = numbers.mesh_of(caster.triangle);
-    return is_solid_at(remembered_->scene->meshes[mesh], caster.triangle - numbers.first_of(mesh), segment);
+    return {mesh, caster.triangle - numbers.first_of(mesh)};
+  }
+  /// A caster with transmission, else nothing.
+  std::optional<Crossings::Crossed> glass_of(const Caster& caster) const {
+    if (!built_->has_transmission) return std::nullopt;
+    const Crossings::Crossed place = place_of(caster);
+    return remembered_->scene->meshes[place.mesh].transmission ? std::optional(place) : std::nullopt;
+  }
+  /// Gives the samples of a tile that are behind glass alone what that lets through.
+  void shine_through(std::span<float> mask, Scratch& scratch) {
+    std::ranges::sort(scratch.glass, {}, &PixelCrossing::pixel);
+    for (auto next = scratch.glass.begin(); next != scratch.glass.end();) {
+      const std::uint32_t pixel = next->pixel;
+      scratch.crossings.clear();
+      for (; next != scratch.glass.end() && next->pixel == pixel; ++next)
+        scratch.crossings.add(next->crossed.mesh, next->crossed.triangle);
+      if (mask[pixel] == 0) continue;
+      const Segment segment{gbuffer_->position(pixel), homogeneous_};
+      const LightThrough light = light_through(scratch.crossings, *remembered_->scene, remembered_->numbers, segment);
+      mask[pixel] = light.share;
+      answers_[pixel].shaded_by = light.triangle;
+    }
   }
   /// Adds up the tests of the samples of a tile.
   void note_tests(const Tile& tile, Scratch& scratch) {
@@ -269,6 +311,7 @@ class AliasFreeMap final : public PointTechnique {
     std::vector<Caster> casters;
     Bounds bounds, all_bounds;  // of the casters, of all meshes
     bool has_holes = false;     // whether a mesh has an alpha mask
+    bool has_transmission = false;
   };
   Shared<Built> built_;
   LightSpace space_;

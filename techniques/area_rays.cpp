@@ -20,10 +20,10 @@ constexpr About about{
         "Noise, which falls with the number n of samples as n^-0.5 where they are random and as about n^-0.75 where they are "
         "spread evenly; banding instead of noise where neighbors share their places. It estimates the share of the light's "
         "area.",
-    .fails = "A penumbra of few samples: n of them tell n + 1 shares apart.",
+    .fails = "A penumbra of few samples: behind opaque casters n of them tell n + 1 shares apart.",
     .promise = Promise::sampled,
     .sees = Truth::shape,
-    .handles = with_alpha_masks};
+    .handles = with_gray_transmission};
 
 class AreaRays final : public Technique {
  public:
@@ -60,7 +60,7 @@ class AreaRays final : public Technique {
       for (std::uint32_t left = hits.asked; left; left &= left - 1) {
         const int k = std::countr_zero(left);
         const glm::dvec2 place = figure.box().at({squares.x[k], squares.y[k]});
-        why.samples.push_back({glm::dvec3(gbuffer_->position(index)) + figure.at(place), 1, hits.blocked >> k & 1 ? 0.0 : 1.0});
+        why.samples.push_back({glm::dvec3(gbuffer_->position(index)) + figure.at(place), 1, hits.seen(k)});
       }
     });
     for (LightSample& sample : why.samples) sample.weight /= static_cast<double>(why.samples.size());
@@ -86,13 +86,14 @@ class AreaRays final : public Technique {
   }
 
   float visibility(const GBuffer& gbuffer, std::size_t i, std::size_t& rays) const {
-    int asked = 0, blocked = 0;
+    int asked = 0;
+    double hidden = 0;
     ask(gbuffer, i, [&](const LightFigure&, const Squares&, const FaceHits& hits) {
       asked += std::popcount(hits.asked);
-      blocked += std::popcount(hits.blocked);
+      hidden += hits.hidden_count();
     });
     rays += static_cast<std::size_t>(asked);
-    return asked == 0 ? 1.0f : 1.0f - static_cast<float>(blocked) / static_cast<float>(asked);
+    return asked == 0 ? 1.0f : 1.0f - static_cast<float>(hidden) / static_cast<float>(asked);
   }
 
   const GBuffer* gbuffer_ = nullptr;

@@ -20,14 +20,14 @@ constexpr About about{
     .source = "Brotman and Badler 1984; places of the light as for area_rays.",
     .error =
         "That of the hard technique, and banding: all pixels share the points (in pattern interleaved every sixteenth), so "
-        "that n of them tell n + 1 shares apart. The error falls with n as n^-0.5 where they are random and as about n^-0.75 "
-        "where they are spread evenly. It estimates the share of the light's area.",
+        "that behind opaque casters n of them tell n + 1 shares apart. The error falls with n as n^-0.5 where they are random "
+        "and as about n^-0.75 where they are spread evenly. It estimates the share of the light's area.",
     .fails =
         "A wide penumbra of few points shows as many edges as there are points. Memory and relight grow with their number. "
         "Casters within a sphere of light hide points of its surface; other techniques ask the disc that is seen of it.",
     .needs_gl = true,
-    .floor = Floor::copy,          // many hard techniques draw
-    .handles = with_alpha_masks};  // those that the hard technique handles: `supports` asks it
+    .floor = Floor::copy,                // many hard techniques draw
+    .handles = with_gray_transmission};  // of these what the hard technique handles: `supports` asks it
 
 constexpr double MiB = 1 << 20;
 
@@ -265,9 +265,10 @@ class AveragedHard final : public Technique {
     if (!is_asked(pixel)) return 0;
     const bool has_right = right % width != 0 && is_beside(right), has_below = below < g.size() && is_beside(below);
     const std::size_t in_set = points_.size() / static_cast<std::size_t>(sets_), first = set_of(pixel) * in_set;
+    const double edge = made_->scene->has_transmission() ? 1.0 / 20 : 0.5;
     float count = 0;
     for (std::size_t k = first; k < first + in_set; ++k) {
-      const auto differs = [&](std::size_t i) { return std::abs(kept_.at(k, i) - kept_.at(k, pixel)) > 0.5; };
+      const auto differs = [&](std::size_t i) { return std::abs(kept_.at(k, i) - kept_.at(k, pixel)) > edge; };
       count += (has_right && differs(right)) || (has_below && differs(below)) ? 1.0f : 0.0f;
     }
     return count;

@@ -18,14 +18,14 @@ constexpr About about{
         "Patches that overlap count twice, and what is hidden by both is too dark. A disc counts as the square with its "
         "area: a straight edge before it is off by up to 2.3 %. It estimates the share of the light's area. "
         "Holes are those of the mask with alpha=texel alone: mips and mips_kept filter alpha, and hashed is random "
-        "where alpha is neither 0 nor 1.",
+        "where alpha is neither 0 nor 1. A texel holds no product: glass is taken for opaque or left out.",
     .fails =
         "Casters behind one another, of which the image holds the nearest; casters that the center sees from the side; "
         "penumbrae wider than most_radius.",
     .needs_gl = true,
     .floor = Floor::depth_draw,
-    .handles = with_alpha_masks,
-    .causes = alpha_causes};
+    .handles = with_gray_transmission,
+    .causes = map_causes};
 
 class BackprojectedMap final : public AreaMap {
   Choice joints = Choice(this, "joints", "snapped", {"none", "extended", "snapped"}, Stage::setup,
@@ -36,9 +36,9 @@ class BackprojectedMap final : public AreaMap {
   BackprojectedMap() : AreaMap({.resolution = 512, .most_radius = 32}) {}
   Support supports(const Scene& scene, const Light& light, const View& view) const override {
     const Support support = AreaMap::supports(scene, light, view);
-    if (support && !std::holds_alternative<RectLight>(light.kind))
-      return Support::approximate("a square of the same area stands for a disc, and for what is seen of a sphere");
-    return support;
+    if (!support || std::holds_alternative<RectLight>(light.kind)) return support;
+    const char* const why = "a square of the same area stands for a disc, and for what is seen of a sphere";
+    return glass.limit(scene, Support::approximate(why));
   }
   std::unique_ptr<Technique> for_another_light() const override { return another(*this, &BackprojectedMap::made_); }
 

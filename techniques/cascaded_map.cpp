@@ -28,14 +28,14 @@ constexpr About about{
         "As a shadow map's, with texels that grow with the distance from the eye: stair steps of about the same width in the "
         "picture. Jumps of the texels' width where slices meet. "
         "Holes are those of the mask with alpha=texel alone: mips and mips_kept filter alpha, and hashed is random "
-        "where alpha is neither 0 nor 1.",
+        "where alpha is neither 0 nor 1. A texel holds no product: glass is taken for opaque or left out.",
     .fails =
         "A light that shines along the view: the slices see the same stretch of the light's picture. One receiver near the "
         "eye and none between it and the horizon.",
     .needs_gl = true,
     .floor = Floor::depth_draw,
-    .handles = with_alpha_masks,
-    .causes = alpha_causes};
+    .handles = with_gray_transmission,
+    .causes = map_causes};
 
 class CascadedMap final : public ComparedMap {
   Number<int> cascades{this, "cascades", 4, {.min = 1, .max = ViewSlices::most}, Stage::resolve, "How many slices."};

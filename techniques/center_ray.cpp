@@ -13,7 +13,7 @@ constexpr About about{
     .fails = "Wherever the light is large beside its distance from the caster.",
     .sees = Truth::shape,
     .role = Role::baseline,
-    .handles = with_alpha_masks};
+    .handles = with_gray_transmission};
 
 class CenterRay final : public Technique {
  public:

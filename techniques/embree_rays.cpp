@@ -15,12 +15,14 @@ constexpr About about{
     .source = "Wald et al. 2014 (Embree); Owen 1995 (places of the light); the ray recipe is measured, see docs/method.md.",
     .error =
         "None on the points it sees, away from rays that graze an edge closer than float32 rounding (class U). Under a light "
-        "with area a standard error of 0.002, where 8192 places suffice. Rays go through the holes of alpha masks.",
+        "with area a standard error of 0.002, where 8192 places suffice. Rays go through the holes of alpha "
+        "masks, and behind glass a point gets the product of what all of it lets through, each looked up from the point and "
+        "the light.",
     .fails = "Nowhere known; it is certified against exact_rays and exact_area by gnomon certify.",
     .promise = Promise::exact,
     .sees = Truth::shape,
     .role = Role::reference,
-    .handles = with_alpha_masks};
+    .handles = with_gray_transmission};
 
 constexpr double least_extent = 1e-19;  ///< largest coordinate of a scene, meters
 

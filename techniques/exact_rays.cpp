@@ -15,11 +15,11 @@ constexpr About about{
     .error =
         "None on the points it is given, which are float32. A point may so lie below its own triangle by a rounding; then a "
         "neighbor across an edge, closer than that rounding, blocks it by right. Edges and vertices count as blocking. The "
-        "texel of an alpha mask is found without rounding, too. It sees triangles: against exact spheres, cones and discs it "
-        "errs by the tessellation.",
+        "texels of alpha masks and glass are found without rounding, too; what glass lets through is multiplied in double, "
+        "in a fixed order. It sees triangles: against exact spheres, cones and discs it errs by the tessellation.",
     .fails = "Nothing it supports; it is slow.",
     .promise = Promise::exact,
-    .handles = with_alpha_masks};
+    .handles = with_gray_transmission};
 
 class ExactRays final : public Technique {
  public:

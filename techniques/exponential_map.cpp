@@ -13,12 +13,12 @@ constexpr About about{
         "A step in depth becomes an exponential of 1 / exponent of the depth range: shadows are lit near their casters, and "
         "wrong where some texels around lie behind the receiver, since one far depth outweighs all near ones. "
         "Holes are those of the mask with alpha=texel alone: mips and mips_kept filter alpha, and hashed is random "
-        "where alpha is neither 0 nor 1.",
+        "where alpha is neither 0 nor 1. A texel holds no product: glass is taken for opaque or left out.",
     .fails = "Contacts; edges of receivers before a far background, which light leaks to.",
     .needs_gl = true,
     .floor = Floor::depth_draw,
-    .handles = with_alpha_masks,
-    .causes = alpha_causes};
+    .handles = with_gray_transmission,
+    .causes = map_causes};
 
 class ExponentialMap final : public FilteredMap {
   // exp(88.7) is the largest float32, and exp(-87.3) the least that every device keeps. A blur adds up to no more than its

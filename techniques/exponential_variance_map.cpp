@@ -15,12 +15,12 @@ constexpr About about{
         "Leaks of a variance map shrink by the exponential between the two casters; with four components a second warp, the "
         "other way round, bounds what the first leaks. "
         "Holes are those of the mask with alpha=texel alone: mips and mips_kept filter alpha, and hashed is random "
-        "where alpha is neither 0 nor 1.",
+        "where alpha is neither 0 nor 1. A texel holds no product: glass is taken for opaque or left out.",
     .fails = "Casters close above each other along the ray, over the whole depth range of a large scene.",
     .needs_gl = true,
     .floor = Floor::depth_draw,
-    .handles = with_alpha_masks,
-    .causes = alpha_causes};
+    .handles = with_gray_transmission,
+    .causes = map_causes};
 
 class ExponentialVarianceMap final : public FilteredMap {
   Choice components{this, "components", "4", {"2", "4"}, Stage::setup, "Moments of the first warp alone, or of both."};

@@ -17,12 +17,12 @@ constexpr About about{
         "The sharpest bound that four moments allow, toward light: exact for two layers of depth but for moment_bias and "
         "rounding; under three light leaks by a seventh of what variance leaks in the worst case. "
         "Holes are those of the mask with alpha=texel alone: mips and mips_kept filter alpha, and hashed is random "
-        "where alpha is neither 0 nor 1.",
+        "where alpha is neither 0 nor 1. A texel holds no product: glass is taken for opaque or left out.",
     .fails = "Three layers and more between light and receiver: leaves, fences before walls.",
     .needs_gl = true,
     .floor = Floor::depth_draw,
-    .handles = with_alpha_masks,
-    .causes = alpha_causes};
+    .handles = with_gray_transmission,
+    .causes = map_causes};
 
 class MomentMap final : public FilteredMap {
   Number<double> moment_bias = Number<double>(

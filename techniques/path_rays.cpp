@@ -52,7 +52,7 @@ class PathRays final : public Technique {
   void build(const Scene& scene) override {
     built_->casters.build(scene);
     built_->has_more = !std::ranges::all_of(scene.meshes, &Mesh::casts);
-    if (built_->has_more) built_->all.build(scene, RayScene::Which::all);
+    if (built_->has_more) built_->all.build(scene, RayScene::Which::seen);
   }
   void relight(const Light& light) override { light_ = light; }
   void resolve(const GBuffer& gbuffer, VisibilityMask& mask) override {

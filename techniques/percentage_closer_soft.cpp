@@ -20,14 +20,14 @@ constexpr About about{
         "Exact for one caster in a plane across the image's axis but for texels and taps: n taps tell n + 1 shares apart. "
         "Casters of several depths get one filter for their mean. It estimates the share of the light's area. "
         "Holes are those of the mask with alpha=texel alone: mips and mips_kept filter alpha, and hashed is random "
-        "where alpha is neither 0 nor 1.",
+        "where alpha is neither 0 nor 1. A texel holds no product: glass is taken for opaque or left out.",
     .fails =
         "Casters behind one another, of which the image holds the nearest; near casters before far ones; penumbrae wider than "
         "most_radius.",
     .needs_gl = true,
     .floor = Floor::depth_draw,
-    .handles = with_alpha_masks,
-    .causes = alpha_causes};
+    .handles = with_gray_transmission,
+    .causes = map_causes};
 
 /// Places of the light that the shader samples.
 std::vector<glm::dvec2> places(bool is_disc, int count, double turn) {
@@ -60,9 +60,15 @@ class PercentageCloserSoft final : public AreaMap {
   /// The taps are those of the filter, or of a search that found nothing. Where the center is below the point's horizon there
   /// is no ray from it to the point's lit side, and the mask alone shows what is wrong.
   std::optional<Explanation> explain(std::size_t index) const override {
-    if (!faces(index)) return Explanation();
-    const AreaPoint p = point(index);
-    if (p.image->layer < 0 || !(p.facing > 0)) return Explanation();
+    Explanation why;
+    if (!faces(index)) return why;
+    if (const AreaPoint p = point(index); p.image->layer >= 0 && p.facing > 0) why = explain_look_up(index, p);
+    explain_glass(why, index);
+    return why;
+  }
+
+ private:
+  Explanation explain_look_up(std::size_t index, const AreaPoint& p) const {
     const glm::vec4 account = accounts()[index];
     const bool is_search = account.z <= 0;
     Explanation why;
@@ -78,8 +84,6 @@ class PercentageCloserSoft final : public AreaMap {
     why.cause = alpha_cause(index);
     return why;
   }
-
- private:
   std::string body() const override {
     return fmt::format("#define TURNED {}\n#define SEARCH_ALL {}\n{}", int(pattern.is("turned")), int(search.is("near_plane")),
                        percentage_closer_soft::body);

@@ -24,13 +24,14 @@ constexpr About about{
     .error =
         "Steps of one point of the light in n, soft over a texel, and shadows that are thinner than one. The error falls "
         "with n as n^-0.5 where points are random and as about n^-0.75 where they are spread evenly, down to that of the "
-        "texels. It estimates the share of the light's area.",
+        "texels. It estimates the share of the light's area. What glass lets through is multiplied for each point of the light, "
+        "exactly at the center of a texel but for float32.",
     .fails =
         "Receivers that are not flat: pixels off the receiver planes are lit and reported as not covered; contact shadows "
         "and fine casters on a large plane, whose texels are large; casters within a sphere of light, as for averaged_hard.",
     .needs_gl = true,
     .floor = Floor::depth_draw,
-    .handles = with_alpha_masks};
+    .handles = with_gray_transmission};
 
 /// Textures of all sheets together, at most.
 constexpr double most_bytes = 0x1p31;
@@ -76,6 +77,7 @@ class RegisteredPlanar final : public Technique {
     const std::string chosen = settings();
     apply("samples=2,resolution=16");
     warm_up(*this);
+    warm_up(*this, true);
     samples.set(samples.default_text());
     resolution.set(resolution.default_text());
     apply(chosen);

@@ -21,13 +21,13 @@ constexpr About about{
         "texel, peter-panning where a caster is nearer than the bias. bias=receiver_plane has no acne on flat "
         "receivers at depth_bias 0. "
         "Holes are those of the mask with alpha=texel alone: mips and mips_kept filter alpha, and hashed is random "
-        "where alpha is neither 0 nor 1.",
+        "where alpha is neither 0 nor 1. A texel holds no product: glass is taken for opaque or left out.",
     .fails = "A long shadow at a grazing angle, a fine mesh of wires, and every large scene: texels are spread over all of it.",
     .needs_gl = true,
     .floor = Floor::depth_draw,
     .is_default = true,
-    .handles = with_alpha_masks,
-    .causes = alpha_causes};
+    .handles = with_gray_transmission,
+    .causes = map_causes};
 
 class ShadowMap final : public ComparedMap {
   Choice fit = Choice(this, "fit", "scene", {"scene", "view"}, Stage::relight,

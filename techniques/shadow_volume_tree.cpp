@@ -2,8 +2,9 @@
 //
 // What a triangle shades is inside its three shadow planes and behind its own plane: four nodes. Each has a tree on either side
 // and a third one, visited from both, for triangles that lie across: they go there whole, nothing is ever split. Any triangles
-// will do, and memory is fixed. A query that meets a triangle in a hole goes on into all of its trees.
+// will do, and memory is fixed. A query that meets a triangle in a hole, or glass, goes on into all of its trees.
 #include <gnomon/kit/bases/point_technique.h>
+#include <gnomon/kit/geometry/light_through.h>
 #include <gnomon/kit/random.h>
 #include <gnomon/registry.h>
 
@@ -21,14 +22,15 @@ constexpr About about{
         "from the light than the point, and one whose triangles do not reach as far from the plane that they cross",
     .error =
         "None on the float32 points it is given: a sign that float32 does not prove is taken in double, and exactly where "
-        "that does not prove it either. A way to the light through an edge or a vertex is blocked. The texel of an alpha "
-        "mask is exact. Tessellation on curved shapes.",
+        "that does not prove it either. A way to the light through an edge or a vertex is blocked. The texels of "
+        "alpha masks and glass are exact, and behind glass a point gets the product of what all of it lets through. "
+        "Tessellation on curved shapes.",
     .fails =
         "Nothing it supports. A plane's third tree is visited from as far away as its largest triangle reaches; many small "
-        "and large ones side by side, and layer on layer as the light sees them, cost queries most. So do layers of holes: a "
-        "triangle does not end the queries that go through its holes.",
+        "and large ones side by side, and layer on layer as the light sees them, cost queries most. So do layers of holes "
+        "and of glass: a triangle does not end the queries that go through its holes, and glass ends none.",
     .promise = Promise::exact,
-    .handles = with_alpha_masks};
+    .handles = with_gray_transmission};
 
 class ShadowVolumeTree final : public PointTechnique {
  public:
@@ -50,8 +52,9 @@ class ShadowVolumeTree final : public PointTechnique {
     built_->is_sorted = order.is("near_first");
     for_triangles(scene,
                   [&](const glm::vec3& a, const glm::vec3& b, const glm::vec3& c, std::uint32_t mesh, std::uint32_t number) {
-                    if (!scene.meshes[mesh].casts) return;
-                    built_->casters.push_back({{a, b, c}, scene.meshes[mesh].alpha_mask ? no_mesh : mesh, number});
+                    const Mesh& of = scene.meshes[mesh];
+                    if (!of.casts) return;
+                    built_->casters.push_back({{a, b, c}, of.alpha_mask || of.transmission ? no_mesh : mesh, number});
                     for (const glm::vec3& p : {a, b, c}) built_->bounds.add(p);
                   });
     if (order.is("random") || order.is("large_first")) Random(static_cast<std::uint64_t>(seed)).shuffle(built_->casters);
@@ -98,7 +101,10 @@ class ShadowVolumeTree final : public PointTechnique {
     const std::span<float> pixels = mask.pixels();
     std::ranges::fill(pixels, 1.0f);
     work_ = for_facing_pixels(gbuffer, tree_.make_work(), [&](std::size_t i, QueryWork& work) {
-      if (locate(gbuffer, i, work) != nothing) pixels[i] = 0;
+      if (locate(gbuffer, i, work) != nothing)
+        pixels[i] = 0;
+      else if (!work.glass.empty())
+        pixels[i] = through(i, work.glass).share;
     });
   }
 
@@ -140,9 +146,14 @@ class ShadowVolumeTree final : public PointTechnique {
   }
   std::uint32_t shading_triangle(std::size_t index) const override {
     QueryWork work = tree_.make_work();
-    return locate(*gbuffer_, index, work);
+    const std::uint32_t opaque = locate(*gbuffer_, index, work);
+    return opaque != nothing ? opaque : through(index, work.glass).triangle;
   }
-  /// The triangle that shades a pixel, or `nothing`.
+  LightThrough through(std::size_t index, Crossings& glass) const {
+    const Segment segment{gbuffer_->position(index), homogeneous(light_)};
+    return light_through(glass, *remembered_->scene, remembered_->numbers, segment);
+  }
+  /// The opaque triangle that shades a pixel, or `nothing`.
   std::uint32_t locate(const GBuffer& gbuffer, std::size_t i, QueryWork& work) const {
     return tree_.shading_triangle(*remembered_->scene, receiver(gbuffer, i), work, remembered_->numbers);
   }

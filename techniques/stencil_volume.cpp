@@ -1,15 +1,16 @@
 // Stencil shadow volumes: faces of the casters' shadow volumes, counted per pixel by the rasterizer.
 #include <gnomon/kit/bases/mask_setting.h>
 #include <gnomon/kit/geometry/box_tree.h>
-#include <gnomon/kit/geometry/camera.h>
 #include <gnomon/kit/volumes/volume_technique.h>
 #include <gnomon/registry.h>
 
 #include "stencil_volume/eye_place.h"
-#include "stencil_volume/gpu_finder.h"
+#include "stencil_volume/glass.h"
+#include "stencil_volume/near_cap.h"
 
 namespace {
 using namespace gnomon;
+using namespace stencil_volume;
 
 constexpr About about{
     .title = "Stencil shadow volumes",
@@ -21,16 +22,17 @@ constexpr About about{
     .error =
         "Exact up to the rasterizer's snapping of vertices to 1/256 pixel: the share of pixels that a shift by half of "
         "that would flip is the row's snapping_floor. Light caps and lit surfaces tie bit for bit, so there is no bias. Edges of "
-        "holes are rounded to float32 where masks are cut.",
+        "holes are rounded to float32 where masks are cut. Glass: surfaces of each transmission t are counted by themselves, and "
+        "the mask is multiplied by t^n. With c transmissions on the way the product is off by (2 c - 1) 2^-24 of itself.",
     .fails =
         "The count zpass with the eye in a shadow volume: every pixel is off by the volumes around the eye, and the row "
         "says so. An edge that meets the middle of another one (T-junction) is a crack of the input: single pixels along "
         "its side quad may be wrong. A closed mesh that winds around some region the wrong way (self-intersecting) lights "
-        "receivers inside that region.",
+        "receivers inside that region. Glass whose transmission has texels, and more than 8 transmissions, are unsupported.",
     .needs_gl = true,
     .floor = Floor::depth_draw,
     .rasterizes = true,
-    .handles = with_alpha_masks};
+    .handles = with_gray_transmission};
 
 /// Eighteen vertices a triangle, nine where volumes are pointed.
 constexpr std::string_view triangle_sides_body = R"(
@@ -38,20 +40,6 @@ void main() {
   int corners = pointed ? 3 : 6, side = gl_VertexID / corners, triangle = side / 3, k = side % 3;
   uint from = triangles[3 * triangle + k], to = triangles[3 * triangle + (k + 1) % 3];
   gl_Position = place(quad_corner(min(from, to), max(from, to), from < to, 0, gl_VertexID % corners));
-}
-)";
-
-/// Casters between the light and the near plane, thrown onto that plane from the light. `clip_from_world` holds the projection.
-const std::string near_cap_vertex = std::string(position_snippet) + R"(
-uniform vec4 plane;            // near plane, turned to the light
-uniform float light_height;    // of the homogeneous light over it
-uniform float light_w;
-out float gl_ClipDistance[2];
-void main() {
-  float height = dot(plane.xyz, position) + plane.w;
-  gl_ClipDistance[0] = height;
-  gl_ClipDistance[1] = light_height - height * light_w;
-  gl_Position = place(vec4(position, 1));
 }
 )";
 
@@ -73,6 +61,7 @@ class StencilVolume final : public VolumeTechnique {
  public:
   Support supports(const Scene& scene, const Light& light, const View& view) const override {
     if (has_area(light)) return Support::unsupported("a shadow volume has one apex: lights with area have none");
+    if (const Support glass = supports_glass(scene); !glass) return glass;
     if (const Support limit = masks.limit(scene, Support::full()); !limit) return limit;
     return masks.limit(scene, supports_polygons(cut(scene).scene(), light, view));
   }
@@ -84,10 +73,10 @@ class StencilVolume final : public VolumeTechnique {
     made_->counter.setup();
     if (finder.is("gpu")) own_->gpu_finder.setup();
     counts_wide_ = true;  // the pass of deep scenes, and of counts()
-    warm_up(*this);
+    warm_up(*this, true);
     made_->counter.drop_pictures();
     counts_wide_ = false;
-    warm_up(*this);
+    warm_up(*this, true);
   }
 
   void build(const Scene& original) override {
@@ -98,9 +87,19 @@ class StencilVolume final : public VolumeTechnique {
     made_->scene = &scene;
     own_->casters.reset();
     scene_buffers(scene);
-    made_->adjacency = EdgeAdjacency(scene);
     made_->far_planes = FarPlanes(scene);
-    if (finder.is("gpu")) own_->gpu_finder.build(made_->adjacency);
+    own_->has_unseen = std::ranges::any_of(scene.meshes, [](const Mesh& mesh) { return mesh.casts && !mesh.seen; });
+    own_->glass.clear();
+    glass_.clear();
+    for_groups(scene, [&](float transmission, const Scene& casters) {
+      if (transmission == 0) {
+        made_->adjacency = EdgeAdjacency(casters);
+        if (finder.is("gpu")) own_->gpu_finder.build(made_->adjacency);
+        return;
+      }
+      own_->glass.push_back({transmission, EdgeAdjacency(casters), own_->gpu_finder.another()});
+      if (finder.is("gpu")) own_->glass.back().gpu_finder.build(own_->glass.back().adjacency);
+    });
   }
 
   void relight(const Light& light) override {
@@ -111,47 +110,65 @@ class StencilVolume final : public VolumeTechnique {
     // Before the surface volumes are open: only what has both caps can end where nothing receives any more.
     ends_early_ = behind && extrusion.is("silhouette") && !made_->far_planes.empty();
     const WantedFaces wanted{.outline = extrusion.is("silhouette"),
-                             .light_caps = behind || near_rectangle(),
+                             .light_caps = behind || near_rectangle() || own_->has_unseen,
                              .dark_caps = behind && (l.w != 0 || ends_early_),
                              .ends = ends()};
-    if (finder.is("gpu")) {
-      commands_ = own_->gpu_finder.find(scene_buffers(*made_->scene), made_->adjacency, l, wanted, faces_);
-      is_on_device_only_ = true;
-      depth_bound_ = own_->gpu_finder.depth_bound(made_->adjacency, l).value_or(INT64_MAX);
-      // Too many sides for the short proof, or every resolve requires the silhouette: the processor computes it, too.
-      if (depth_bound_ > VolumeCounter::stencil_limit || count.is("zpass_plus"))
-        depth_bound_ = bound_depth(made_->adjacency, silhouette(), VolumeCounter::stencil_limit);
-    } else {
-      is_on_device_only_ = false;
-      made_->adjacency.find_silhouette(l, silhouette_);
-      commands_ = write_faces(made_->adjacency, silhouette_, wanted, faces_);
-      depth_bound_ = bound_depth(made_->adjacency, silhouette_, VolumeCounter::stencil_limit);
+    const Found opaque = find_faces(made_->adjacency, own_->gpu_finder, wanted, silhouette_, faces_);
+    commands_ = opaque.commands;
+    depth_bound_ = opaque.depth_bound;
+    is_on_device_only_ = opaque.is_on_device_only;
+    wide_ = is_wide(depth_bound_);
+    glass_.resize(own_->glass.size());
+    for (std::size_t k = 0; k < glass_.size(); ++k) {
+      GlassGroup& group = own_->glass[k];
+      GroupFaces& glass = glass_[k];
+      glass.found = find_faces(group.adjacency, group.gpu_finder, wanted, glass.silhouette, glass.faces);
+      glass.wide = is_wide(glass.found.depth_bound);
+      const std::vector<float> powers = powers_of(group.transmission, most_surfaces(group, glass.found));
+      glass.powers = Buffer(powers.data(), powers.size() * sizeof(float));
     }
-    wide_ = counts_wide_ || counter.is("wide") || depth_bound_ > VolumeCounter::stencil_limit;
     glFinish();
   }
 
   void resolve(const GBuffer& gbuffer, VisibilityMask& mask) override {
     const StateGuard guard;
     gbuffer_ = &gbuffer;
-    volumes_at_eye_ = 0;
-    if (count.is("zpass_plus") && !uses_near_rectangle())
-      volumes_at_eye_ = stencil_volume::volumes_at(made_->adjacency, gbuffer.view.eye, silhouette());
+    const bool counts_at_eye = count.is("zpass_plus") && !uses_near_rectangle();
+    volumes_at_eye_ = counts_at_eye ? volumes_at(made_->adjacency, gbuffer.view.eye, silhouette()) : 0;
+    for (std::size_t k = 0; k < glass_.size(); ++k)
+      glass_[k].volumes_at_eye =
+          counts_at_eye ? volumes_at(own_->glass[k].adjacency, gbuffer.view.eye, glass_silhouette(k)) : 0;
     answer(mask);
   }
 
   Counts counts() const override {
-    const auto closed = std::ranges::count_if(made_->adjacency.parts(), &EdgeAdjacency::Part::closed);
-    double edges = 0;  // with multiplicity
-    for (const SilhouetteEdge& edge : silhouette().edges) edges += std::abs(edge.count);
-    const auto own_bytes = static_cast<double>(own_->gpu_finder.bytes() + own_->cut.bytes());
-    const std::size_t bytes = VolumeTechnique::bytes() + static_cast<std::size_t>(own_.own(own_bytes));
-    const std::int64_t depth_bound =
-        finder.is("gpu") ? bound_depth(made_->adjacency, silhouette(), VolumeCounter::stencil_limit) : depth_bound_;
-    Counts counts{{"closed_parts", double(closed), ""},
-                  {"open_parts", double(std::ssize(made_->adjacency.parts()) - closed), ""},
+    double closed = 0, open = 0, edges = 0;  // edges with multiplicity
+    std::size_t triangles = commands_.triangle_count();
+    std::int64_t depth_bound = 0;
+    auto own_bytes = static_cast<double>(own_->gpu_finder.bytes() + own_->cut.bytes());
+    const auto add = [&](const EdgeAdjacency& adjacency, const Silhouette& silhouette, std::int64_t bound) {
+      const auto closed_here = std::ranges::count_if(adjacency.parts(), &EdgeAdjacency::Part::closed);
+      closed += double(closed_here);
+      open += double(std::ssize(adjacency.parts()) - closed_here);
+      for (const SilhouetteEdge& edge : silhouette.edges) edges += std::abs(edge.count);
+      if (finder.is("gpu")) bound = bound_depth(adjacency, silhouette, VolumeCounter::stencil_limit);
+      depth_bound = std::max(depth_bound, bound);
+    };
+    add(made_->adjacency, silhouette(), depth_bound_);
+    std::size_t bytes = VolumeTechnique::bytes();
+    std::int64_t at_eye = volumes_at_eye_;
+    for (std::size_t k = 0; k < glass_.size(); ++k) {
+      add(own_->glass[k].adjacency, glass_silhouette(k), glass_[k].found.depth_bound);
+      triangles += glass_[k].found.commands.triangle_count();
+      bytes += glass_[k].bytes();
+      own_bytes += static_cast<double>(own_->glass[k].bytes());
+      at_eye += glass_[k].volumes_at_eye;
+    }
+    bytes += static_cast<std::size_t>(own_.own(own_bytes));
+    Counts counts{{"closed_parts", closed, ""},
+                  {"open_parts", open, ""},
                   {"silhouette_edges", edges, ""},
-                  {"triangles", double(commands_.triangle_count()), ""},
+                  {"triangles", double(triangles), ""},
                   {"depth_bound", double(depth_bound), "", Count::Together::largest},
                   {"bytes", double(bytes), "byte"}};
     if (!gbuffer_) return counts;
@@ -159,8 +176,8 @@ class StencilVolume final : public VolumeTechnique {
     const auto [fill, deepest] = measure_work();
     counts.insert(counts.end(), {{"fill", fill, "pixel"},
                                  {"deepest", deepest, "volume", Count::Together::largest},
-                                 {"volumes_at_eye", double(volumes_at_eye_), "volume"},
-                                 {"counter_bits", wide_ ? 32.0 : 8.0, "bit", Count::Together::largest}});
+                                 {"volumes_at_eye", double(at_eye), "volume"},
+                                 {"counter_bits", keeps_wide() ? 32.0 : 8.0, "bit", Count::Together::largest}});
     return counts;
   }
 
@@ -177,7 +194,7 @@ class StencilVolume final : public VolumeTechnique {
     std::uint64_t first = made_->adjacency.triangles().size();
     own_->casters->any(SegmentSlabs(way), 0, [&](std::uint32_t place) {
       const std::uint32_t t = own_->casters->order()[place];
-      if (silhouette().facing[t] != 0 && crosses(way, made_->adjacency.corners(t)) != Crossing::none)
+      if (takes_part(t) && crosses(way, made_->adjacency.corners(t)) != Crossing::none)
         first = std::min<std::uint64_t>(first, own_->cut.source(t));
       return false;
     });
@@ -195,10 +212,12 @@ class StencilVolume final : public VolumeTechnique {
   /// Of a scene without holes.
   Support supports_polygons(const Scene& scene, const Light& light, const View& view) const {
     GlLimits needed = FaceDrawer::needs(scene);
-    if (finder.is("gpu")) needed = most_of(needed, stencil_volume::GpuFinder::needs(scene));
+    if (finder.is("gpu")) needed = most_of(needed, GpuFinder::needs(scene));
+    if (scene.has_transmission()) needed = most_of(needed, {.fragment_storage_blocks = 1});
     if (const Support enough = within_limits(needed); !enough) return enough;
     if (count.is("zfail")) return Support::full();
-    const stencil_volume::EyePlace eye = stencil_volume::EyePlaceFinder(scene, light, view).place();
+    EyePlace eye;
+    for_groups(scene, [&](float, const Scene& casters) { eye = both(eye, EyePlaceFinder(casters, light, view).place()); });
     if (eye.boundary) return Support::approximate("the eye lies on the boundary of a shadow volume, within rounding");
     if (eye.inside && count.is("zpass"))
       return Support::approximate("the eye is inside a shadow volume, which zpass does not count");
@@ -215,47 +234,71 @@ class StencilVolume final : public VolumeTechnique {
   bool uses_near_rectangle() const {
     if (!near_rectangle()) return false;
     const double near_plane = gbuffer_textures(*gbuffer_, *made_->scene).near_plane;
-    return !stencil_volume::is_between(homogeneous(light_), gbuffer_->view, near_plane, near_plane);
+    return !is_between(homogeneous(light_), gbuffer_->view, near_plane, near_plane);
   }
-  void draw(Pass pass) const override {
+  bool is_wide(std::int64_t bound) const { return counts_wide_ || counter.is("wide") || bound > VolumeCounter::stencil_limit; }
+  bool keeps_wide() const override { return wide_ || std::ranges::any_of(glass_, &GroupFaces::wide); }
+
+  /// Fills the buffers of faces of some casters. The silhouette is filled, too, where it does not stay on the device.
+  Found find_faces(const EdgeAdjacency& adjacency, GpuFinder& gpu_finder, const WantedFaces& wanted, Silhouette& silhouette,
+                   FaceBuffers& faces) const {
+    const glm::dvec4 l = homogeneous(light_);
+    Found found;
+    if (finder.is("gpu")) {
+      found.commands = gpu_finder.find(scene_buffers(*made_->scene), adjacency, l, wanted, faces);
+      found.depth_bound = gpu_finder.depth_bound(adjacency, l).value_or(INT64_MAX);
+      // Too many sides for the short proof, or every resolve requires the silhouette: the processor computes it, too.
+      found.is_on_device_only = found.depth_bound <= VolumeCounter::stencil_limit && !count.is("zpass_plus");
+      if (found.is_on_device_only) return found;
+    }
+    adjacency.find_silhouette(l, silhouette);
+    if (!finder.is("gpu")) found.commands = write_faces(adjacency, silhouette, wanted, faces);
+    found.depth_bound = bound_depth(adjacency, silhouette, VolumeCounter::stencil_limit);
+    return found;
+  }
+
+  void begin(Pass pass, std::int64_t volumes_at_eye) const {
     made_->counter.begin(depth_stencil(*made_->scene, *gbuffer_), gbuffer_textures(*gbuffer_, *made_->scene), pass, where(),
-                         static_cast<int>(volumes_at_eye_));
-    bind_faces(scene_buffers(*made_->scene).positions);
+                         static_cast<int>(volumes_at_eye));
+  }
+  /// Opaque casters and glass in one count.
+  void draw(Pass pass) const override {
+    std::int64_t at_eye = volumes_at_eye_;
+    for (const GroupFaces& glass : glass_) at_eye += glass.volumes_at_eye;
+    begin(pass, at_eye);
+    draw_faces(faces_, pass);
+    for (const GroupFaces& glass : glass_) draw_faces(glass.faces, pass);
+  }
+  /// One count for the opaque casters, and one for each transmission.
+  void answer(VisibilityMask& mask) const override {
+    const GBufferTextures& textures = gbuffer_textures(*gbuffer_, *made_->scene);
+    begin(mask_pass(), volumes_at_eye_);
+    draw_faces(faces_, mask_pass());
+    made_->counter.write_mask(textures, light_, mask);
+    for (const GroupFaces& glass : glass_) {
+      begin(pass_of(glass.wide), glass.volumes_at_eye);
+      draw_faces(glass.faces, pass_of(glass.wide));
+      made_->counter.multiply_mask(textures, light_, glass.powers, mask);
+    }
+    glFinish();
+  }
+  void draw_faces(const FaceBuffers& faces, Pass pass) const {
+    bind_faces(scene_buffers(*made_->scene).positions, faces);
     if (uses_near_rectangle() && pass != Pass::layer) {
-      draw_near_cap();
+      glEnable(GL_DEPTH_CLAMP);
+      draw_near_cap(own_->near_cap_program, made_->drawer, made_->counter, *gbuffer_, *made_->scene, homogeneous(light_));
       glDisable(GL_DEPTH_CLAMP);  // what lies before the near plane is in the near cap
     }
     if (extrusion.is("silhouette"))
       made_->drawer.draw_sides(made_->counter);
     else
       made_->drawer.draw_arrays(made_->counter, own_->triangle_sides, VolumeFace::side, offsetof(FaceCommands, triangle_sides));
-    if (where() == CountWhere::behind_surface) made_->drawer.draw_caps(made_->counter);
+    // Before the surface, what the eye sees ends at the light caps; through casters that it does not see it enters there.
+    if (where() == CountWhere::behind_surface)
+      made_->drawer.draw_caps(made_->counter);
+    else if (own_->has_unseen)
+      made_->drawer.draw_light_caps(made_->counter);
     glBindVertexArray(0);
-  }
-
-  /// Triangles between light and near plane, thrown onto the plane: M = (P.L) I - L P^T, as for planar projected shadows.
-  void draw_near_cap() const {
-    const Camera camera(gbuffer_->view, gbuffer_->width, gbuffer_->height);
-    const glm::dvec4 light = homogeneous(light_);
-    const double near_plane = gbuffer_textures(*gbuffer_, *made_->scene).near_plane;
-    glm::dvec4 plane(camera.forward, -glm::dot(camera.forward, camera.eye) - near_plane);
-    const bool behind = glm::dot(plane, light) < 0;  // the light looks the eye's way
-    if (behind) plane = -plane;
-    const double height = glm::dot(plane, light);
-    const glm::dmat4 projected = height * glm::dmat4(1) - glm::outerProduct(light, plane);
-    const glm::dmat4 clip = clip_from_world(*gbuffer_, *made_->scene) * projected;
-    own_->near_cap_program.each([&](const Program& p) {
-      p.set("clip_from_world", glm::mat4(clip));
-      p.set("plane", glm::vec4(plane));
-      p.set("light_height", static_cast<float>(height));
-      p.set("light_w", static_cast<float>(light.w));
-    });
-    glEnable(GL_CLIP_DISTANCE0);
-    glEnable(GL_CLIP_DISTANCE1);
-    // Seen with the light they keep their turn, seen against it they change it.
-    made_->drawer.draw_light_caps(made_->counter, own_->near_cap_program, !behind);
-    glDisable(GL_CLIP_DISTANCE0);
-    glDisable(GL_CLIP_DISTANCE1);
   }
 
   /// What the device found stays there: the first request in memory computes it again.
@@ -264,14 +307,38 @@ class StencilVolume final : public VolumeTechnique {
     is_on_device_only_ = false;
     return silhouette_;
   }
+  const Silhouette& glass_silhouette(std::size_t k) const {
+    GroupFaces& glass = glass_[k];
+    if (glass.found.is_on_device_only) own_->glass[k].adjacency.find_silhouette(homogeneous(light_), glass.silhouette);
+    glass.found.is_on_device_only = false;
+    return glass.silhouette;
+  }
+  /// Whether a triangle has a volume.
+  bool takes_part(std::uint32_t triangle) const {
+    if (silhouette().facing[triangle] != 0) return true;
+    for (std::size_t k = 0; k < glass_.size(); ++k)
+      if (glass_silhouette(k).facing[triangle] != 0) return true;
+    return false;
+  }
+  std::vector<Line> outlines() const override {
+    std::vector<Line> lines = VolumeTechnique::outlines();
+    for (std::size_t k = 0; k < glass_.size(); ++k) {
+      const std::vector<Line> glass = silhouette_lines(own_->glass[k].adjacency, glass_silhouette(k));
+      lines.insert(lines.end(), glass.begin(), glass.end());
+    }
+    return lines;
+  }
 
   struct Own {
     CutMasks cut;
     VolumeProgram triangle_sides, near_cap_program;
-    stencil_volume::GpuFinder gpu_finder;
+    GpuFinder gpu_finder;
+    std::vector<GlassGroup> glass;
+    bool has_unseen = false;           // casters
     std::unique_ptr<BoxTree> casters;  // made by the first `explain`
   };
   Shared<Own> own_;
+  mutable std::vector<GroupFaces> glass_;  // as own_->glass; ask `glass_silhouette`
   std::int64_t depth_bound_ = 0;
   mutable bool is_on_device_only_ = false;  // the silhouette
   bool counts_wide_ = false;                // while setup warms the wide pass

@@ -13,7 +13,7 @@ constexpr About about{.title = "Unshadowed",
                       .error = "Every shadow is missing.",
                       .fails = "Wherever there is a shadow.",
                       .role = Role::baseline,
-                      .handles = with_alpha_masks};
+                      .handles = with_gray_transmission};
 
 class Unshadowed final : public Technique {
  public:

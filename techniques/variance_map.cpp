@@ -15,12 +15,12 @@ constexpr About about{
         "The bound is one of two: at least so much light may arrive. It is exact for one planar caster over one planar "
         "receiver, and light leaks where depths vary more: under two casters, behind the edge of the nearer. "
         "Holes are those of the mask with alpha=texel alone: mips and mips_kept filter alpha, and hashed is random "
-        "where alpha is neither 0 nor 1.",
+        "where alpha is neither 0 nor 1. A texel holds no product: glass is taken for opaque or left out.",
     .fails = "Layers of casters at many depths: leaves, fences before walls. leak_reduction hides leaks and widens shadows.",
     .needs_gl = true,
     .floor = Floor::depth_draw,
-    .handles = with_alpha_masks,
-    .causes = alpha_causes};
+    .handles = with_gray_transmission,
+    .causes = map_causes};
 
 class VarianceMap final : public FilteredMap {
   Number<double> least_deviation = Number<double>(

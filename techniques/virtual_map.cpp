@@ -6,7 +6,7 @@
 // words that the first one wrote, so that no rounding can make it miss a page.
 #include <gnomon/kit/counts.h>
 #include <gnomon/kit/geometry/camera.h>
-#include <gnomon/kit/maps/alpha_setting.h>
+#include <gnomon/kit/maps/map_causes.h>
 #include <gnomon/kit/shared.h>
 #include <gnomon/registry.h>
 
@@ -28,14 +28,14 @@ constexpr About about{
         "light sees a pixel over eight times as long as wide. Where more pages are asked for than there is room for, all "
         "texels are 2^levels_raised times as wide. "
         "Holes are those of the mask with alpha=texel alone: mips and mips_kept filter alpha, and hashed is random "
-        "where alpha is neither 0 nor 1.",
+        "where alpha is neither 0 nor 1. A texel holds no product: glass is taken for opaque or left out.",
     .fails =
         "Pixels that ask for pages far apart: surfaces edge-on to the light, leaves and grass; a page is then drawn for a few "
         "pixels. All but the fit is work of resolve, paid for in every picture.",
     .needs_gl = true,
     .floor = Floor::depth_draw,
-    .handles = with_alpha_masks,
-    .causes = alpha_causes};
+    .handles = with_gray_transmission,
+    .causes = map_causes};
 
 class VirtualMap final : public Technique {
   Number<double> texels_per_pixel =
@@ -56,12 +56,14 @@ class VirtualMap final : public Technique {
       Number<double>(this, "depth_bias", 2, {.unit = "texel", .min = 0, .max = 64}, Stage::resolve,
                      "What is added to the bias of the receiver's own plane, in world widths of a texel at the point.");
   AlphaSetting alpha{this, Stage::resolve};
+  GlassSetting glass{this};
 
  public:
   Support supports(const Scene& scene, const Light& light, const View&) const override {
     const PoolLayout layout(static_cast<std::size_t>(pages.value()), size());
     if (const Support support = light_map_support(light, PoolLayout::width, fit_margin, 1); !support) return support;
-    return alpha.limit(scene, within_limits({.texture_size = layout.rows * size(), .texture_layers = layout.layers}));
+    const Support support = within_limits({.texture_size = layout.rows * size(), .texture_layers = layout.layers});
+    return glass.limit(scene, alpha.limit(scene, support));
   }
   void setup() override {
     made_->drawer.setup();
@@ -82,7 +84,8 @@ class VirtualMap final : public Technique {
   }
   void build(const Scene& scene) override {
     made_->scene = &scene;
-    made_->boxes = mesh_boxes(scene);
+    made_->boxes = mesh_boxes(scene, glass.as());
+    made_->glass_difference = {scene, glass.as()};
     made_->solid_parts = solid_parts(scene);
     scene_buffers(scene);
     made_->drawer.build(scene, alpha.rule());
@@ -120,19 +123,10 @@ class VirtualMap final : public Technique {
   }
   std::unique_ptr<Technique> for_another_light() const override { return another(*this, &VirtualMap::made_); }
   std::optional<Explanation> explain(std::size_t index) const override {
-    const PageAddress page = page_at(index);
-    if (page.word == PageAddress::none || !faces_light(*made_->scene, *gbuffer_, light_, index)) return Explanation();
-    const LightImage image = at_level(camera_.images[page.face()], page.level());
-    const glm::dvec3 point = gbuffer_->position(index), q = image.seen(point);
-    const glm::dvec3 ray = image.is_perspective ? q / q.z : glm::dvec3(0, 0, 1);
-    const double facing = -glm::dot(image.turned(gbuffer_->normal(index)), ray);
     Explanation why;
-    why.texel_width = image.largest_texel(q);
-    const double error = camera_.rounding * (image.is_perspective ? 1 + q.z * q.z / (image.near * image.far) : 1);
-    why.bias = (depth_bias * why.texel_width + (error + why.texel_width / 128) / facing) * glm::length(ray);
-    const glm::vec4 looked = looked_up()[index];
-    why.taps.push_back(image.tap(glm::dvec2(looked) + 0.5, image.axis_distance(looked.z), 1));
-    why.cause = alpha_cause(index);
+    if (!faces_light(*made_->scene, *gbuffer_, light_, index)) return why;
+    if (const PageAddress page = page_at(index); page.word != PageAddress::none) why = explain_look_up(index, page);
+    made_->glass_difference.explain(why, *gbuffer_, light_, index);
     return why;
   }
   std::vector<DebugLayer> debug_layers() const override { return virtual_map::debug_layers(); }
@@ -165,6 +159,21 @@ class VirtualMap final : public Technique {
   /// The page that a pixel was looked up in; none where it does not face the light, or nothing casts.
   PageAddress page_at(std::size_t index) const {
     return asked_[index] == PageAddress::none ? PageAddress() : PageAddress{asked_[index]}.raised(table_.raised, top());
+  }
+  /// Taps and what comes with them, of a pixel that looks into this page.
+  Explanation explain_look_up(std::size_t index, const PageAddress& page) const {
+    const LightImage image = at_level(camera_.images[page.face()], page.level());
+    const glm::dvec3 point = gbuffer_->position(index), q = image.seen(point);
+    const glm::dvec3 ray = image.is_perspective ? q / q.z : glm::dvec3(0, 0, 1);
+    const double facing = -glm::dot(image.turned(gbuffer_->normal(index)), ray);
+    Explanation why;
+    why.texel_width = image.largest_texel(q);
+    const double error = camera_.rounding * (image.is_perspective ? 1 + q.z * q.z / (image.near * image.far) : 1);
+    why.bias = (depth_bias * why.texel_width + (error + why.texel_width / 128) / facing) * glm::length(ray);
+    const glm::vec4 looked = looked_up()[index];
+    why.taps.push_back(image.tap(glm::dvec2(looked) + 0.5, image.axis_distance(looked.z), 1));
+    why.cause = alpha_cause(index);
+    return why;
   }
   void find_addresses() {
     const GBufferTextures& textures = gbuffer_textures(*gbuffer_, *made_->scene);
@@ -231,8 +240,8 @@ class VirtualMap final : public Technique {
     if (rule == AlphaRule::texel) return "";
     looked_up();  // what is read back is this object's from here on
     const auto draw = [&](Texture& by_texel) { made_->drawer.draw(camera_, table_, lists_, layout_, by_texel, {}); };
-    return AlphaDifference::cause(made_->read_back.alpha_difference, rule, false, index, pool_, draw,
-                                  [&](const Texture& pool) { return answer(pool); });
+    return AlphaDifference::cause(made_->read_back.alpha_difference, rule, made_->glass_difference.has_glass(), index, pool_,
+                                  draw, [&](const Texture& pool) { return answer(pool); });
   }
 
   /// What questions need, in memory: of one object at a time.
@@ -247,6 +256,7 @@ class VirtualMap final : public Technique {
     std::array<Program, light_projection_count> address_programs, look_up_programs, explain_programs;
     Framebuffer framebuffer;
     const Scene* scene = nullptr;
+    GlassDifference glass_difference;
     MeshBoxes boxes;
     SolidParts solid_parts;
   };

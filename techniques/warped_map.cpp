@@ -27,14 +27,14 @@ constexpr About about{
         "As a shadow map's, with texels that grow with the distance from the eye. Across the view they grow as the picture's "
         "pixels do, along it as their square: what is far gets long texels. "
         "Holes are those of the mask with alpha=texel alone: mips and mips_kept filter alpha, and hashed is random "
-        "where alpha is neither 0 nor 1.",
+        "where alpha is neither 0 nor 1. A texel holds no product: glass is taken for opaque or left out.",
     .fails =
         "A light that shines along the view, where no direction of the image is that of depth: it is not warped then. "
         "Casters high above what the eye sees close by.",
     .needs_gl = true,
     .floor = Floor::depth_draw,
-    .handles = with_alpha_masks,
-    .causes = alpha_causes};
+    .handles = with_gray_transmission,
+    .causes = map_causes};
 
 constexpr int row_count = 256;  // of what the window shows: its hull is exact to a row
 

@@ -37,7 +37,7 @@ inline Scene ball_over_ground(const std::string& name, float radius, int segment
 }
 
 inline GBuffer seen(const Scene& scene, const View& view, int width, int height, Truth truth = Truth::mesh) {
-  return make_gbuffer(scene, RayScene(scene, truth, RayScene::Which::all), view, width, height, truth);
+  return make_gbuffer(scene, RayScene(scene, truth, RayScene::Which::seen), view, width, height, truth);
 }
 
 /// Set up and built.

@@ -232,7 +232,8 @@ std::optional<double> gain_over_constant(const Record& r) {
 }
 
 std::string_view lights_text(AnswerKind answer) {
-  static constexpr std::string_view texts[] = {"lights without area", "lights with area", "several lights together"};
+  static constexpr std::string_view texts[] = {"lights without area", "lights with area", "several lights together",
+                                               "lights without area behind glass"};
   return texts[static_cast<std::size_t>(answer)];
 }
 

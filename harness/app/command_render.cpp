@@ -123,7 +123,7 @@ std::string summary(const Record& record, const ErrorCounts& errors) {
     return fmt::format("{} lights, {}, light received {} (rms), FLIP {:.4f}", record.lights.size(), text,
                        percent("received_error_rms"), record.metric("flip").value_or(0));
   text += ", wrong " + percent("wrong_rate");
-  if (record.answer == AnswerKind::binary)
+  if (record.answer == AnswerKind::binary || record.answer == AnswerKind::transmitted)
     text += fmt::format(", false dark {}, false lit {}", errors.false_dark, errors.false_lit);
   return record.metric("radiosity_error") ? text + ", error of all light " + percent("radiosity_error") : text;
 }

@@ -11,8 +11,11 @@ struct FeatureRow {
   Feature feature;
   std::string_view name, what;  ///< what a scene has that has it
 };
-constexpr FeatureRow rows[] = {{Feature::alpha_masks, "alpha_masks", "casters with holes (alpha masks)"}};
-constexpr Feature features[] = {Feature::alpha_masks};
+constexpr FeatureRow rows[] = {
+    {Feature::alpha_masks, "alpha_masks", "casters with holes (alpha masks)"},
+    {Feature::transmission, "transmission", "casters that let a part of the light through (transmission)"},
+    {Feature::colored_transmission, "colored_transmission", "casters that color the light that they let through"}};
+constexpr Feature features[] = {Feature::alpha_masks, Feature::transmission, Feature::colored_transmission};
 
 }  // namespace
 
@@ -28,8 +31,11 @@ std::span<const Feature> all_features() { return features; }
 
 std::vector<Feature> features_of(const Scene& scene) {
   const auto has_holes = [](const Mesh& mesh) { return mesh.casts && mesh.alpha_mask; };
-  if (std::ranges::any_of(scene.meshes, has_holes)) return {Feature::alpha_masks};
-  return {};
+  std::vector<Feature> features;
+  if (std::ranges::any_of(scene.meshes, has_holes)) features.push_back(Feature::alpha_masks);
+  if (scene.has_transmission()) features.push_back(Feature::transmission);
+  if (scene.has_colored_transmission()) features.push_back(Feature::colored_transmission);
+  return features;
 }
 
 Support support_of(const About& about, const Technique& technique, const Scene& scene, const Light& light, const View& view) {

@@ -61,6 +61,15 @@ Bounds Scene::bounds() const {
 
 bool Scene::has_curved_shapes() const { return std::ranges::any_of(meshes, &Mesh::has_curved_shape); }
 
+bool Scene::has_transmission() const {
+  return std::ranges::any_of(meshes, [](const Mesh& mesh) { return mesh.casts && mesh.transmission; });
+}
+
+bool Scene::has_colored_transmission() const {
+  return std::ranges::any_of(
+      meshes, [](const Mesh& mesh) { return mesh.casts && mesh.transmission && mesh.transmission->is_colored(); });
+}
+
 bool Scene::has_alpha_masks() const {
   return std::ranges::any_of(meshes, [](const Mesh& mesh) { return mesh.alpha_mask != nullptr; });
 }

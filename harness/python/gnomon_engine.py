@@ -119,13 +119,6 @@ class Awaited:
         return np.fromfile(self.path, kind).reshape(height, width)
 
 
-def version_of(command, pattern):
-    """The first match of `pattern`'s group in what a command prints, or ""."""
-    done = subprocess.run(command, capture_output=True, stdin=subprocess.DEVNULL, text=True, errors="replace", timeout=60, check=False)
-    found = re.search(pattern, done.stdout + done.stderr)
-    return found[1] if found else ""
-
-
 def require_version(name, found, wanted):
     """RuntimeError unless version `found` is `wanted` or begins with it: (1.12.10, 1.12)."""
     if found != wanted and not found.startswith(wanted + "."):

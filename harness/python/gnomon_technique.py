@@ -73,7 +73,8 @@ def _values(facts):
 class Scene:
     """`position` (vertices x 3, float32), `triangle` (triangles x 3, indices into position), `mesh` (of each triangle);
     `meshes`, `lights`, `views` with the keys of a scene file, of a mesh also name, casts, receives, first_triangle, triangles.
-    Of a scene with holes also `uv` (vertices x 2, float32), `alpha_mask_bits`, and alpha_mask of a mesh: docs/protocol.md.
+    Of a scene with holes also `uv` (vertices x 2, float32), `alpha_mask_bits`, and alpha_mask of a mesh; of one with glass `uv`,
+    `transmission_values`, and transmission and seen of a mesh: docs/protocol.md.
     """
 
     def __init__(self, request):

@@ -70,6 +70,55 @@ std::string mask_table(const Scene& scene, std::size_t width) {
   return text;
 }
 
+/// How much of the light the texels of a transmission let through, over all channels.
+struct TransmittedShares {
+  double least = 1, mean = 0, most = 0;
+};
+TransmittedShares transmitted_shares(const Transmission& transmission) {
+  TransmittedShares shares;
+  for (const double value : transmission.values()) {
+    shares.least = std::min(shares.least, value);
+    shares.most = std::max(shares.most, value);
+    shares.mean += value;
+  }
+  shares.mean /= static_cast<double>(transmission.values().size());
+  return shares;
+}
+
+/// Each transmission once: which meshes have it, how many of them are seen, and what it lets through. Empty for a scene
+/// without.
+std::string transmission_table(const Scene& scene, std::size_t width) {
+  TextTable table({{"transmission", "texels"},
+                   {"wrap", ""},
+                   {"channels", "", Align::right},
+                   {"least", "", Align::right},
+                   {"mean", "", Align::right},
+                   {"most", "", Align::right},
+                   {"meshes", "", Align::right},
+                   {"seen", "", Align::right},
+                   {"first mesh", ""}});
+  std::vector<const Transmission*> all;
+  for (const Mesh& mesh : scene.meshes)
+    if (mesh.transmission && std::ranges::find(all, mesh.transmission.get()) == all.end())
+      all.push_back(mesh.transmission.get());
+  if (all.empty()) return "";
+  constexpr std::size_t shown = 40;
+  for (const Transmission* const one : std::span(all).first(std::min(shown, all.size()))) {
+    const auto has_it = [&](const Mesh& mesh) { return mesh.transmission.get() == one; };
+    const auto is_seen = [&](const Mesh& mesh) { return has_it(mesh) && mesh.seen; };
+    const TransmittedShares shares = transmitted_shares(*one);
+    table.add_row({fmt::format("{} x {}", one->width(), one->height()),
+                   fmt::format("{} {}", wrap_name(one->wrap_u()), wrap_name(one->wrap_v())), std::to_string(one->channels()),
+                   fmt::format("{:.3g}", shares.least), fmt::format("{:.3g}", shares.mean), fmt::format("{:.3g}", shares.most),
+                   std::to_string(std::ranges::count_if(scene.meshes, has_it)),
+                   std::to_string(std::ranges::count_if(scene.meshes, is_seen)),
+                   std::ranges::find_if(scene.meshes, has_it)->name});
+  }
+  std::string text = '\n' + table.text(width);
+  if (all.size() > shown) text += fmt::format("and {} more\n", all.size() - shown);
+  return text;
+}
+
 /// The generator that a reference names; null for files.
 const SceneEntry* generator_of(const std::string& reference) {
   return registry().find_scene(reference.substr(0, reference.find(':')));
@@ -93,6 +142,18 @@ Json mesh_json(const Mesh& mesh) {
                           {"wrap_v", wrap_name(mask->wrap_v())},
                           {"cutoff", number_json(mask->cutoff())},
                           {"coverage", mask->coverage()}};
+  if (const Transmission* const one = mesh.transmission.get()) {
+    const TransmittedShares shares = transmitted_shares(*one);
+    json["transmission"] = {{"width", one->width()},
+                            {"height", one->height()},
+                            {"channels", one->channels()},
+                            {"wrap_u", wrap_name(one->wrap_u())},
+                            {"wrap_v", wrap_name(one->wrap_v())},
+                            {"least", shares.least},
+                            {"mean", shares.mean},
+                            {"most", shares.most}};
+  }
+  if (mesh.transmission || !mesh.seen) json["seen"] = mesh.seen;
   return json;
 }
 
@@ -110,8 +171,8 @@ std::string describe_text(const std::string& reference, const Scene& scene, std:
   for (const Light& light : scene.lights) lights.add_row({light.name, std::string(kind_name(light)), words(scene_keys(light))});
   TextTable views({{"view", ""}, {"keys of a scene file", "meters"}});
   for (const View& view : scene.views) views.add_row({view.name, words(scene_keys(view))});
-  return text + fmt::format("\n{}\n{}\n{}{}", lights.text(width), views.text(width), mesh_table(scene, width),
-                            mask_table(scene, width));
+  return text + fmt::format("\n{}\n{}\n{}{}{}", lights.text(width), views.text(width), mesh_table(scene, width),
+                            mask_table(scene, width), transmission_table(scene, width));
 }
 
 Json describe_json(const std::string& reference, const Scene& scene) {

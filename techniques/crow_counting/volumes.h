@@ -6,22 +6,23 @@
 #include <gnomon/kit/shared.h>
 
 #include "polygon.h"
+#include "single_casters.h"
 
 namespace gnomon::crow_counting {
 
 /// The polygons of all shadow volumes of a scene and a light: the side quads of the silhouette, then the light caps, which are
-/// the triangles that face the light. A side quad is there once and counts for its edge's count. Casters with alpha masks have
-/// none (masked_casters.h).
+/// the triangles that face the light. A side quad is there once and counts for its edge's count. Casters with alpha masks or
+/// transmission have none (single_casters.h).
 class Volumes {
  public:
   void build(const Scene& scene) {
-    if (!scene.has_alpha_masks()) {
+    if (!scene.has_alpha_masks() && !scene.has_transmission()) {
       *adjacency_ = EdgeAdjacency(scene);
       return;
     }
     Scene opaque;
     opaque.meshes = scene.meshes;
-    for (Mesh& mesh : opaque.meshes) mesh.casts &= mesh.alpha_mask == nullptr;
+    for (Mesh& mesh : opaque.meshes) mesh.casts &= !SingleCasters::is_single(mesh);
     *adjacency_ = EdgeAdjacency(opaque);
   }
   /// Those of another light, over the same edges.

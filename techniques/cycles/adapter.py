@@ -27,23 +27,52 @@ def looking(way, place):
     return basis(right, np.cross(back, right), back, place)
 
 
-def picture_of(mask, words, uv):
-    """Of an alpha mask: bits, height x width, how Blender continues them beyond their borders, and the uv in them. The first row is
-    the lower one for Blender, as v = 0 is. Mirrored bits are twice as many, which repeat: Blender 3.4 mirrors none."""
-    height, width, wraps = mask["height"], mask["width"], (mask["wrap_u"], mask["wrap_v"])
-    if wraps.count("clamp") == 1:
-        raise RuntimeError(f"an alpha mask is continued by {wraps[0]} along u, by {wraps[1]} along v; Blender clamps along both or none")
-    rows = np.asarray(words, "<u4")[mask["first_word"]:][:height * -(-width // 32)].reshape(height, -1)
-    bits = np.unpackbits(np.ascontiguousarray(rows).view(np.uint8), axis=1, bitorder="little")[:, :width]
-    uv = np.array(uv, np.float32)
+def textures(mesh):
+    """The alpha mask and the transmission of a mesh, by these names, where it has them."""
+    some = {name: getattr(mesh, name, None) for name in ("alpha_mask", "transmission")}
+    return {name: texture for name, texture in some.items() if texture} if mesh.triangles else {}
+
+
+def wraps_of(texture):
+    """How it goes on beyond its borders along u and v; a single texel repeats, whatever is said of it."""
+    return [texture[wrap] if texture[side] > 1 else "repeat" for wrap, side in (("wrap_u", "width"), ("wrap_v", "height"))]
+
+
+def why_not(mesh):
+    """Why Blender cannot draw a mesh; "" where it can."""
+    for name, texture in textures(mesh).items():
+        u, v = wraps_of(texture)
+        if [u, v].count("clamp") == 1:
+            return (f"the {name.replace('_', ' ')} of mesh '{mesh.name}' has wrap {u} along u and {v} along v; Blender clamps "
+                    "along both or along none")
+    return ""
+
+
+def texels_of(texture, scene):
+    """Of an alpha mask its bits, of a transmission of one channel what its texels let through: height x width."""
+    height, width = texture["height"], texture["width"]
+    if "first_value" in texture:
+        return np.asarray(scene.transmission_values, np.float32)[texture["first_value"]:][:height * width].reshape(height, width)
+    rows = np.asarray(scene.alpha_mask_bits, "<u4")[texture["first_word"]:][:height * -(-width // 32)].reshape(height, -1)
+    return np.unpackbits(np.ascontiguousarray(rows).view(np.uint8), axis=1, bitorder="little")[:, :width]
+
+
+def picture_of(texture, texels, uv):
+    """Of a texture: its texels, how Blender continues them beyond their borders, and the uv in them. The first row is the lower one
+    for Blender, as v = 0 is. Mirrored texels are twice as many, which repeat: Blender 3.4 mirrors none."""
+    wraps, uv = wraps_of(texture), np.array(uv, np.float32)
     for axis, wrap in enumerate(wraps):
         if wrap == "mirror":
-            bits = np.concatenate((bits, np.flip(bits, 1 - axis)), 1 - axis)
+            texels = np.concatenate((texels, np.flip(texels, 1 - axis)), 1 - axis)
             uv[..., axis] /= 2
-    return bits, "EXTEND" if "clamp" in wraps else "REPEAT", uv
+    return texels, "EXTEND" if "clamp" in wraps else "REPEAT", uv
 
 
 class Cycles(Technique):
+    def supports(self, scene, light, view):
+        why = next(filter(None, map(why_not, scene.meshes)), None)
+        return ("unsupported", why) if why else "full"
+
     def setup(self):
         command = ["blender", "-b", "--factory-startup", "-noaudio", "--python", str(Path(__file__).with_name("blender_side.py"))]
         self.blender = Child("Blender", command)
@@ -56,19 +85,24 @@ class Cycles(Technique):
         self.scene = scene
         self.corners = scene.corners(casters_only=False).astype(np.float32)
         np.save(Path(self.folder, "corners.npy"), self.corners)
-        meshes = [(mesh.first_triangle, mesh.triangles, mesh.casts, self.holes(scene, k)) for k, mesh in enumerate(scene.meshes)]
+        meshes = [{"first": int(mesh.first_triangle), "count": int(mesh.triangles), "casts": mesh.casts, "seen": getattr(mesh, "seen", True)}
+                  | {name: self.texture(name, scene, k) for name in textures(mesh)} for k, mesh in enumerate(scene.meshes)]
+        self.has_glass = any(mesh["casts"] and "transmission" in mesh for mesh in meshes)
         self.blender.ask(do="build", corners=str(Path(self.folder, "corners.npy")), meshes=meshes)
 
-    def holes(self, scene, k):
-        """Of mesh k with an alpha mask: the files of its bits and of the uv of its triangles' corners, and how the bits go on."""
+    def texture(self, name, scene, k):
+        """Of mesh k: a number where its texture has one texel; else the files of the texels and of the uv of its triangles' corners,
+        and how the texels go on."""
         mesh = scene.meshes[k]
-        if not getattr(mesh, "alpha_mask", None) or not mesh.triangles:
-            return None
+        texture = getattr(mesh, name)
+        texels = texels_of(texture, scene)
+        if texels.size == 1:
+            return float(texels[0, 0])
         triangles = scene.triangle[mesh.first_triangle:mesh.first_triangle + mesh.triangles]
-        bits, extension, uv = picture_of(mesh.alpha_mask, scene.alpha_mask_bits, scene.uv[triangles])
-        names = f"bits_{mesh.alpha_mask['first_word']}.npy", f"uv_{k}.npy"  # meshes share a mask
-        files = [str(Path(self.folder, name)) for name in names]
-        for file, array in zip(files, (bits, uv)):
+        texels, extension, uv = picture_of(texture, texels, scene.uv[triangles])
+        first = texture["first_value" if name == "transmission" else "first_word"]  # meshes share a texture
+        files = [str(Path(self.folder, file)) for file in (f"{name}_{first}.npy", f"{name}_uv_{k}.npy")]
+        for file, array in zip(files, (texels, uv)):
             np.save(file, array)
         return [*files, extension]
 
@@ -107,7 +141,9 @@ class Cycles(Technique):
     def resolve(self, gbuffer, mask):
         (lit, self.ms, sync), (full, *_) = self.pairs.draw(pair_of(self.light, gbuffer), lambda shadows: self.frame(gbuffer, shadows))
         share = np.clip(np.divide(lit, full, out=np.ones_like(full), where=full > 0), 0, 1)
-        mask[...] = np.where(gbuffer.faces(self.light, self.scene), share >= 0.5, 1) if self.is_hard else share
+        if self.is_hard:
+            share = np.where(gbuffer.faces(self.light, self.scene), share if self.has_glass else share >= 0.5, 1)
+        mask[...] = share
         self.counts = self.pairs.counts() | {"sync": (sync, "ms")}
 
 

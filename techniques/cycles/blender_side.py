@@ -33,7 +33,7 @@ class Renderer:
         cycles.sample_clamp_direct = 0
         cycles.pixel_filter_type, cycles.filter_width = "BLACKMAN_HARRIS", 0.01  # rays through the centers of pixels; a box is always a pixel wide
         render.image_settings.file_format, render.image_settings.color_depth = "OPEN_EXR", "32"
-        self.white, self.pierced = self.white_material("white"), {}
+        self.white, self.materials, self.images = self.white_material("white"), {}, {}
         self.camera = bpy.data.objects.new("camera", bpy.data.cameras.new("camera"))
         self.scene.collection.objects.link(self.camera)
         self.scene.camera = self.camera
@@ -51,38 +51,76 @@ class Renderer:
         material.node_tree.links.new(diffuse.outputs[0], output.inputs["Surface"])
         return material
 
-    def pierced_material(self, file, extension):
-        """White where a bit of a file is set, and not there at all where none is. The pixel that holds a place counts."""
-        if file in self.pierced:
-            return self.pierced[file][0]
-        bits = np.load(file)
-        image = bpy.data.images.new("holes", bits.shape[1], bits.shape[0], is_data=True)
-        image.pixels.foreach_set(np.stack((bits, bits, bits, np.ones_like(bits)), -1).astype(np.float32).ravel())
-        image.update()
-        material = self.white_material("pierced")
+    def image(self, file):
+        """Of the texels of a file, each as it is."""
+        if file not in self.images:
+            texels = np.load(file)
+            image = self.images[file] = bpy.data.images.new("texels", texels.shape[1], texels.shape[0], is_data=True,
+                                                            float_buffer=bool(texels.dtype == np.float32))
+            image.pixels.foreach_set(np.stack((texels, texels, texels, np.ones_like(texels)), -1).astype(np.float32).ravel())
+            image.update()
+        return self.images[file]
+
+    def material(self, textures):
+        """White where the alpha mask is 1, and not there at all where it is 0. A transmission is what light passes of that, but not
+        the eye. Each texture is a number, or the files of texels and of uv, and how the texels go on: the texel that holds a place
+        counts."""
+        key = tuple((name, texture if isinstance(texture, float) else (texture[0], texture[2])) for name, texture in textures.items())
+        if key in self.materials:
+            return self.materials[key]
+        material = self.materials[key] = self.white_material("pierced")
         nodes, links = material.node_tree.nodes, material.node_tree.links
-        diffuse, output = nodes["Diffuse BSDF"], nodes["Material Output"]
-        place, texture, red, hole, mix = (nodes.new("ShaderNode" + kind) for kind in ("UVMap", "TexImage", "SeparateColor", "BsdfTransparent", "MixShader"))
-        place.uv_map, texture.image, texture.interpolation, texture.extension = "holes", image, "Closest", extension
-        for start, end in ((place.outputs["UV"], texture.inputs["Vector"]), (texture.outputs["Color"], red.inputs["Color"]),
-                           (red.outputs["Red"], mix.inputs[0]), (hole.outputs[0], mix.inputs[1]), (diffuse.outputs[0], mix.inputs[2]),
-                           (mix.outputs[0], output.inputs["Surface"])):
-            links.new(start, end)
-        self.pierced[file] = material, image
+        surface, output = nodes["Diffuse BSDF"].outputs[0], nodes["Material Output"]
+
+        def filled(name, plug):
+            """Puts a texture of the mesh into an input."""
+            texture = textures[name]
+            if isinstance(texture, float):
+                plug.default_value = (texture, texture, texture, 1) if plug.type == "RGBA" else texture
+                return
+            place, sample = nodes.new("ShaderNodeUVMap"), nodes.new("ShaderNodeTexImage")
+            place.uv_map, sample.image, sample.interpolation, sample.extension = name, self.image(texture[0]), "Closest", texture[2]
+            links.new(place.outputs["UV"], sample.inputs["Vector"])
+            source = sample.outputs["Color"]
+            if plug.type != "RGBA":
+                red = nodes.new("ShaderNodeSeparateColor")
+                links.new(source, red.inputs["Color"])
+                source = red.outputs["Red"]
+            links.new(source, plug)
+
+        def mixed(clear, solid):
+            """The mix of a transparent surface and a solid one, and its input that is 1 where it is the latter."""
+            mix = nodes.new("ShaderNodeMixShader")
+            links.new(clear.outputs[0], mix.inputs[1])
+            links.new(solid, mix.inputs[2])
+            return mix.outputs[0], mix.inputs[0]
+
+        if "transmission" in textures:
+            glass = nodes.new("ShaderNodeBsdfTransparent")
+            filled("transmission", glass.inputs["Color"])
+            surface, is_solid = mixed(glass, surface)
+            links.new(nodes.new("ShaderNodeLightPath").outputs["Is Camera Ray"], is_solid)
+        if "alpha_mask" in textures:
+            surface, is_solid = mixed(nodes.new("ShaderNodeBsdfTransparent"), surface)
+            filled("alpha_mask", is_solid)
+        links.new(surface, output.inputs["Surface"])
         return material
 
     def build(self, corners, meshes):
-        """`meshes`: first triangle, number of triangles, whether it casts, and None or files of bits and uv and how the bits go on."""
+        """`meshes`: dictionaries of `first` triangle and their `count`, whether it `casts` and is `seen`, and where it has them
+        `alpha_mask` and `transmission` as material() takes them."""
         for item in self.objects:
             bpy.data.meshes.remove(item.data)  # and the object with it
-        for material, image in self.pierced.values():
+        for material in self.materials.values():
             bpy.data.materials.remove(material)
+        for image in self.images.values():
             bpy.data.images.remove(image)
-        self.objects, self.pierced = [], {}
-        if any(holes for *_, holes in meshes):
-            self.scene.cycles.transparent_max_bounces = 256  # a ray goes on behind each hole
+        self.objects, self.materials, self.images = [], {}, {}
+        if any("alpha_mask" in mesh or "transmission" in mesh for mesh in meshes):
+            self.scene.cycles.transparent_max_bounces = 1024  # a ray goes on behind each hole; Blender allows no more
         corners = np.load(corners)
-        for first, count, casts, holes in meshes:
+        for facts in meshes:
+            first, count = facts["first"], facts["count"]
             points = corners[first:first + count].reshape(-1, 3)
             if not count:
                 continue
@@ -95,14 +133,13 @@ class Renderer:
             mesh.polygons.foreach_set("loop_start", np.arange(0, 3 * count, 3, dtype=np.int32))
             mesh.polygons.foreach_set("loop_total", np.full(count, 3, np.int32))
             mesh.update(calc_edges=True)
-            if holes:
-                bits, uv, extension = holes
-                mesh.uv_layers.new(name="holes").data.foreach_set("uv", np.load(uv).astype(np.float32).ravel())
-                mesh.materials.append(self.pierced_material(bits, extension))
-            else:
-                mesh.materials.append(self.white)
+            textures = {name: facts[name] for name in ("alpha_mask", "transmission") if name in facts}
+            for name, texture in textures.items():
+                if not isinstance(texture, float):
+                    mesh.uv_layers.new(name=name).data.foreach_set("uv", np.load(texture[1]).astype(np.float32).ravel())
+            mesh.materials.append(self.material(textures) if textures else self.white)
             item = bpy.data.objects.new("mesh", mesh)
-            item.visible_shadow = casts
+            item.visible_shadow, item.visible_camera = facts["casts"], facts["seen"]
             item.cycles.shadow_terminator_offset = item.cycles.shadow_terminator_geometry_offset = 0
             self.scene.collection.objects.link(item)
             self.objects.append(item)

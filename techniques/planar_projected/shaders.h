@@ -35,22 +35,12 @@ void main() {
   vec4 image = projected * vec4(position, 1);
   float w = abs(image.w) < least_share ? least_share : image.w;
   gl_Position = place(vec4(image.xyz / w, 1));
+#if defined(MASKED) || defined(GLASS)
+  gl_Position *= abs(w);  // the same place; the texture is seen in perspective
+#endif
 #ifdef MASKED
-  gl_Position *= abs(w);  // the same place; the mask is seen in perspective
   hand_on_mask();
 #endif
-}
-)";
-
-/// Writes `darkened`; with blending, multiplies by it.
-inline constexpr std::string_view shadow_fragment = R"(
-uniform float darkened;
-layout(location = 0) out float visibility;
-void main() {
-#ifdef MASKED
-  if (in_hole()) discard;
-#endif
-  visibility = darkened;
 }
 )";
 

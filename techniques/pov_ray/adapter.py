@@ -3,16 +3,29 @@
 The time of a resolve is what POV-Ray says that it traced for; reading the scene, which it does in each run, is the count `parse`.
 """
 
+import re
+
 import numpy as np
-from gnomon_engine import FramePairs, pair_of, require_version, version_of
+from gnomon_engine import FramePairs, pair_of, require_version
 from gnomon_technique import Technique, serve
-from pov_holes import Holes
-from pov_scene import SETTINGS, camera, grid_points, light_source, meshes_text, render
+from pov_holes import Holes, is_painted, textures, why_not
+from pov_scene import SCALE, SETTINGS, camera, grid_points, light_source, meshes_text, render, started
 
 
 class PovRay(Technique):
+    def supports(self, scene, light, view):
+        for mesh in scene.meshes:
+            if not is_painted(vars(mesh)):
+                continue
+            triangles = scene.triangle[mesh.first_triangle:mesh.first_triangle + mesh.triangles]
+            why = why_not(vars(mesh), SCALE * scene.position[triangles].astype(float), scene.uv[triangles].astype(float))
+            if why:
+                return "unsupported", why
+        return "full"
+
     def setup(self):
-        version = version_of(["povray", "--version"], r"POV-Ray ([0-9.]+[0-9])")
+        found = re.search(r"POV-Ray ([0-9.]+[0-9])", started(["--version"], self.folder)[1])
+        version = found[1] if found else ""
         require_version("POV-Ray", version, "3.7")
         self.maker = f"POV-Ray {version}"
         self.pairs = FramePairs()
@@ -21,9 +34,10 @@ class PovRay(Technique):
         self.scene = scene
         self.corners = scene.corners(casters_only=False)
         self.meshes = [vars(mesh) for mesh in scene.meshes]
-        has_holes = any(mesh.get("alpha_mask") for mesh in self.meshes)
-        self.uv = scene.uv[scene.triangle].astype(float) if has_holes else None
-        self.words = np.array(scene.alpha_mask_bits) if has_holes else None
+        self.has_glass = any(mesh["casts"] and mesh.get("transmission") for mesh in self.meshes)
+        self.uv = scene.uv[scene.triangle].astype(float) if any(map(textures, self.meshes)) else None
+        self.words, self.values = (None if array is None else np.array(array)
+                                   for array in (getattr(scene, name, None) for name in ("alpha_mask_bits", "transmission_values")))
         self.texts = {}
 
     def relight(self, light):
@@ -32,7 +46,7 @@ class PovRay(Technique):
     def run(self, gbuffer, shadows):
         curved = gbuffer.truth == "shape"
         if curved not in self.texts:
-            holes = None if self.uv is None else Holes(self.words, self.uv, self.folder)
+            holes = None if self.uv is None else Holes(self.words, self.values, self.uv, self.folder)
             self.texts[curved] = meshes_text(self.meshes, self.corners, curved, holes)
         text = SETTINGS + camera(vars(gbuffer.view), gbuffer.width, gbuffer.height)
         if len(self.corners):
@@ -53,7 +67,8 @@ class PovRay(Technique):
             above = self.share_above(gbuffer)
             mask[...] = np.where(above > 0, np.clip(done.picture / np.maximum(above, 1e-6) ** 2, 0, 1), 1)
         else:
-            mask[...] = np.where(gbuffer.faces(self.light, self.scene), done.picture >= 0.5, 1)
+            share = done.picture if self.has_glass else done.picture >= 0.5
+            mask[...] = np.where(gbuffer.faces(self.light, self.scene), share, 1)
         self.ms = done.trace_ms
         self.counts = self.pairs.counts() | {"parse": (done.parse_ms, "ms"), "shadow_rays": done.shadow_rays}
 

@@ -2,7 +2,8 @@
 
 usage: python3 pov_mask.py FOLDER LIGHT MASK.pgm
 FOLDER is what `gnomon export --out` wrote, LIGHT the name of a point, spot or directional light in it. The mask is white where POV-Ray
-sees light, black in shadow, on surfaces turned away and on the background. Prints the seconds that POV-Ray took.
+sees light, black in shadow, on surfaces turned away and on the background. Where casters let a part of the light through it is that part,
+in 16 bits. Prints the seconds that POV-Ray took.
 Needs numpy and POV-Ray 3.7 (Debian: python3-numpy, povray), and pov_scene.py and pov_holes.py beside it.
 """
 
@@ -26,11 +27,14 @@ def main(folder, name, mask):
     corners = arrays["position"].astype(float)[arrays["triangle"]]
     width, height = frame["width"], frame["height"]
     with tempfile.TemporaryDirectory() as place:
-        holes = Holes(arrays["alpha_mask_bits"], arrays["uv"][arrays["triangle"]], place) if "uv" in arrays else None
+        textures = (arrays.get(name) for name in ("alpha_mask_bits", "transmission_values"))
+        holes = Holes(*textures, arrays["uv"][arrays["triangle"]], place) if "uv" in arrays else None
         text = (SETTINGS + camera(frame["view"], width, height) + light_source(light, corners) +
                 meshes_text(scene["meshes"], corners, frame["truth"] == "shape", holes))
         lit = render(text, width, height, place, os.cpu_count())
-    mask.write_bytes(b"P5 %d %d 255\n" % (width, height) + np.where(lit.picture >= 0.5, 255, 0).astype("u1").tobytes())
+    has_glass = any(mesh["casts"] and mesh.get("transmission") for mesh in scene["meshes"])
+    most, kind, share = (65535, ">u2", lit.picture) if has_glass else (255, "u1", lit.picture >= 0.5)
+    mask.write_bytes(b"P5 %d %d %d\n" % (width, height, most) + np.rint(most * share).astype(kind).tobytes())
     print(f"{lit.trace_ms / 1000:.2f} s")
 
 

@@ -11,8 +11,10 @@ from pathlib import Path
 
 import numpy as np
 from pov_holes import SETTINGS as HOLES
+from pov_holes import have_area, textures
 
-SCALE = 100  # POV-Ray ignores casters nearer than 1e-3 of its units to the lit point: 10 micrometers, where a meter is 100 units
+# POV-Ray ignores casters nearer than 1e-3 of its units to the lit point, or behind a hole: 10 micrometers, where a meter is 100 units.
+SCALE = 100
 SETTINGS = """#version 3.7;
 global_settings { assumed_gamma 1 max_trace_level 1 }
 background { rgb 0 }
@@ -92,17 +94,22 @@ def curved_text(shape):
 
 def mesh_text(mesh, corners, curved, holes=None):
     """Loose triangles, because POV-Ray keeps them in double, but those of a mesh2 in float. `holes`: a pov_holes.Holes for meshes with
-    an alpha mask."""
-    end = " }\n" if mesh["casts"] else " no_shadow }\n"
-    shape = curved_text(mesh["shape"]) if curved and mesh["shape"] else None
+    an alpha mask or a transmission. Glass that is seen is there twice: once for the eye, which it stops, and once for the light."""
+    seen = mesh.get("seen", True)
+    if mesh.get("transmission") and seen:
+        parts = [mesh | {"transmission": None, "casts": False}, mesh | {"seen": False}] if mesh["casts"] else [mesh | {"transmission": None}]
+        return "".join(mesh_text(part, corners, curved, holes) for part in parts)
+    if not seen and not mesh["casts"]:
+        return ""
+    end = ("" if mesh["casts"] else " no_shadow") + ("" if seen else " no_image") + " }\n"
+    shape = curved_text(mesh["shape"]) if curved and mesh["shape"] and not textures(mesh) else None
     if shape:
         return shape + end
     first = mesh["first_triangle"]
     some = SCALE * corners[first:first + mesh["triangles"]]
-    if mesh.get("alpha_mask"):
+    if textures(mesh):
         return holes.triangles(mesh, some, vector, end)
-    some = some[np.linalg.norm(np.cross(some[:, 1] - some[:, 0], some[:, 2] - some[:, 0]), axis=-1) > 0]  # it warns of others
-    return "".join("triangle { " + ", ".join(map(vector, t)) + end for t in some)
+    return "".join("triangle { " + ", ".join(map(vector, t)) + end for t in some[have_area(some)])
 
 
 def meshes_text(meshes, corners, curved, holes=None):
@@ -123,6 +130,18 @@ def pixels_of(picture, width, height, asked):
     return np.frombuffer(data, ">u2", offset=head.end()).reshape(height, width, 3)[:, :, 1] / 65535
 
 
+def started(arguments, folder):
+    """Runs povray in a folder: its exit status and all that it printed. On a busy machine povray may give up before it has read a
+    word, because its threads start late; then it is started again, up to nine times."""
+    for _ in range(10):
+        done = subprocess.run(["povray", *arguments], cwd=folder, capture_output=True, stdin=subprocess.DEVNULL, text=True,
+                              errors="replace", check=False)
+        said = done.stdout + done.stderr
+        if not done.returncode or "Timed out waiting for worker thread startup" not in said:
+            break
+    return done.returncode, said
+
+
 def render(text, width, height, folder, threads):
     """Renders a scene in a folder, a ray through the center of each pixel. The folder may have any name: povray, which reads much into
     the names that it is given, is given none of it."""
@@ -130,15 +149,14 @@ def render(text, width, height, folder, threads):
     picture.unlink(missing_ok=True)  # that of the render before
     scene.write_text(text)
     options = ["+FP16", f"+W{width}", f"+H{height}", f"+WT{threads}", "-A", "-D", "File_Gamma=1", "-GD", "-GR", "-GW"]
-    done = subprocess.run(["povray", f"+I{scene.name}", f"+O{picture.name}", *options], cwd=folder, capture_output=True,
-                          stdin=subprocess.DEVNULL, text=True, errors="replace", check=False)
-    if done.returncode:
-        said = [line.strip() for line in (done.stdout + done.stderr).splitlines() if line.strip()]
-        why = next((line for line in said if "rror" in line), said[-1] if said else "it said nothing")
-        raise RuntimeError(f"povray ended with {done.returncode}: {why}")
-    seconds = dict(re.findall(r"(Parse|Trace) Time:.*\(([0-9.]+) seconds\)", done.stdout + done.stderr))
+    status, said = started([f"+I{scene.name}", f"+O{picture.name}", *options], folder)
+    if status:
+        lines = [line.strip() for line in said.splitlines() if line.strip()]
+        why = next((line for line in lines if "rror" in line), lines[-1] if lines else "it said nothing")
+        raise RuntimeError(f"povray ended with {status}: {why}")
+    seconds = dict(re.findall(r"(Parse|Trace) Time:.*\(([0-9.]+) seconds\)", said))
     if set(seconds) != {"Parse", "Trace"}:
         raise RuntimeError("povray says no times; the adapter is made for version 3.7")
-    rays = re.search(r"Shadow Ray Tests: +([0-9]+)", done.stdout + done.stderr)
+    rays = re.search(r"Shadow Ray Tests: +([0-9]+)", said)
     brightness = pixels_of(picture, width, height, scene.stat().st_mtime_ns)
     return Rendering(brightness, 1000 * float(seconds["Trace"]), 1000 * float(seconds["Parse"]), int(rays[1]) if rays else 0)

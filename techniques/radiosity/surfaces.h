@@ -45,7 +45,7 @@ struct Surfaces {
     faces.emplace(of);
     patches.emplace(*faces, patch_size * size);
     casters.emplace(of, Truth::mesh, RayScene::Which::casters);
-    all.emplace(of, Truth::mesh, RayScene::Which::all);
+    all.emplace(of, Truth::mesh, RayScene::Which::seen);
     solid_parts = gnomon::solid_parts(of);
     solid_shares.clear();
     if (!of.has_alpha_masks()) return;

@@ -33,6 +33,17 @@ void main() {
 }
 )";
 
+/// The same from a picture of what casters let through of that point, with opaque casters and glass.
+inline const std::string add_shares_fragment = std::string(weight_snippet) + R"(
+layout(binding = 0) uniform sampler2D shares;
+uniform vec2 adds;
+layout(location = 0) out vec2 sums;
+void main() {
+  float hidden = 1 - texelFetch(shares, ivec2(gl_FragCoord.xy), 0).r;
+  sums = vec2(adds.x * hidden, adds.y) * weight_here();
+}
+)";
+
 /// Of each sheet: its corner and how many points of the light are on its side, 0 where green has their sum; texels a meter
 /// along its sides.
 struct SheetData {

@@ -5,6 +5,7 @@
 #include <gnomon/kit/geometry/across.h>
 #include <gnomon/kit/geometry/plane_projection.h>
 #include <gnomon/kit/gl/gl_planes.h>
+#include <gnomon/kit/gl/projected_shadows.h>
 
 #include <algorithm>
 #include <span>
@@ -47,6 +48,8 @@ class SheetPainter {
  public:
   void setup() {
     add_programs_ = CasterPrograms("registered_planar casters", projection_vertex, add_fragment);
+    shadow_programs_ = ShadowPrograms("registered_planar shadow", projection_vertex);
+    add_shares_program_ = Program("registered_planar shares", full_screen_vertex, add_shares_fragment);
     all_program_ = Program("registered_planar weights", full_screen_vertex, add_fragment);
     look_up_program_ = pass_program("registered_planar look-up", look_up_constants, look_up_fragment);
     framebuffer_ = make_framebuffer();
@@ -55,10 +58,12 @@ class SheetPainter {
     scene_ = &scene;
     scene_buffers(scene);
     add_programs_.fit(scene);
+    shadow_programs_.fit(scene);
     lookup_.build(scene, min_share);
     extent_ = scene.bounds().extent();
     bounds_.clear();
     casters_.clear();
+    has_glass_ = scene.has_transmission();
     const ReceiverPlanes& on = lookup_.planes();
     rectangles_.assign(on.planes.size(), {glm::dvec2(INFINITY), glm::dvec2(-INFINITY)});
     for (std::size_t m = 0; m < scene.meshes.size(); ++m) {
@@ -101,6 +106,7 @@ class SheetPainter {
     sums.texture.fit(sphere ? GL_RG32F : GL_R32F, side, side, std::max(1, static_cast<int>(lit.sheets.size())));
     sums.triangles = 0;
     const Texture depth(GL_DEPTH_COMPONENT32F, side, side);
+    const Texture shares = has_glass_ ? Texture(GL_R32F, side, side) : Texture();
     const GLuint framebuffer = framebuffer_.name();
     glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
     glNamedFramebufferTexture(framebuffer, GL_DEPTH_ATTACHMENT, depth.name(), 0);
@@ -115,7 +121,10 @@ class SheetPainter {
       const float nothing[] = {0, 0, 0, 0};
       glClearNamedFramebufferfv(framebuffer, GL_COLOR, 0, nothing);
       glClearNamedFramebufferfv(framebuffer, GL_DEPTH, 0, nothing);
-      draw_points(lit, sheet, points, sums);
+      if (has_glass_)
+        draw_points_with_glass(lit, sheet, points, shares, sums, layer);
+      else
+        draw_points(lit, sheet, points, sums);
       const float count = sphere ? 0.0f : static_cast<float>(points_before(sheet.plane, points));
       const double across = side / glm::dot(sheet.x, sheet.x), down = side / glm::dot(sheet.y, sheet.y);
       data.push_back({glm::vec4(sheet.corner, count), glm::vec4(across * sheet.x, 0), glm::vec4(down * sheet.y, 0)});
@@ -174,16 +183,9 @@ class SheetPainter {
   // A texel counts a point of the light once, however many triangles hide it: they are drawn at a depth of the point's own,
   // each point nearer than the one before, so that the first triangle leaves its depth and the others fail.
   void draw_points(const LitSheets& lit, const Sheet& sheet, std::span<const glm::vec3> points, Sums& sums) const {
-    const auto* const sphere = has_far_side(lit.light) ? std::get_if<SphereLight>(&lit.light.kind) : nullptr;
-    const auto prepare = [&](const auto& program, const glm::vec2& adds) {
-      program.set("corner", glm::vec3(sheet.corner));
-      program.set("step_x", glm::vec3(sheet.x / double(lit.resolution)));
-      program.set("step_y", glm::vec3(sheet.y / double(lit.resolution)));
-      program.set("sphere", sphere ? glm::vec4(sphere->center, 1 / sphere->radius) : glm::vec4(0));
-      program.set("adds", adds);
-    };
-    prepare(add_programs_, {1, 0});
-    prepare(all_program_, {0, 1});
+    const bool sphere = has_far_side(lit.light);
+    set_sheet(add_programs_, lit, sheet, {1, 0});
+    set_sheet(all_program_, lit, sheet, {0, 1});
     std::size_t waiting = 0;
     for (std::size_t k = 0; k < points.size(); ++k) {
       if (!is_before(sheet.plane, points[k])) continue;
@@ -193,12 +195,18 @@ class SheetPainter {
         draw_full_screen();
       }
       const double own_depth = static_cast<double>(k + 1) * 0x1p-13;
+      const std::vector<std::uint32_t> casters = casters_before(sheet, points[k]);
+      const std::size_t drawn = triangles_of(casters);
+      sums.triangles += drawn;
       glEnable(GL_DEPTH_TEST);
       glEnable(GL_CLIP_DISTANCE0);
       glEnable(GL_CLIP_DISTANCE1);
       glDepthRange(own_depth, own_depth);
-      const std::size_t drawn = draw_casters(sheet, points[k]);
-      sums.triangles += drawn;
+      if (!casters.empty()) {
+        set_projection(add_programs_, sheet, points[k]);
+        add_programs_.set("light_point", points[k]);
+        scene_buffers(*scene_).draw(casters, add_programs_);
+      }
       glDepthRange(0, 1);
       glDisable(GL_CLIP_DISTANCE1);
       glDisable(GL_CLIP_DISTANCE0);
@@ -209,7 +217,54 @@ class SheetPainter {
       waiting = 0;
     }
   }
-  std::size_t draw_casters(const Sheet& sheet, const glm::vec3& point) const {
+  // What casters let through of a point is multiplied in a picture of its own, and what they hide of it is added.
+  void draw_points_with_glass(const LitSheets& lit, const Sheet& sheet, std::span<const glm::vec3> points,
+                              const Texture& shares, Sums& sums, std::size_t layer) const {
+    set_sheet(add_shares_program_, lit, sheet, {1, 1});
+    shadow_programs_.opaque.set("darkened", 0.0f);
+    const GLuint framebuffer = framebuffer_.name();
+    const SceneBuffers& buffers = scene_buffers(*scene_);
+    glBindTextureUnit(0, shares.name());
+    for (const glm::vec3& point : points) {
+      if (!is_before(sheet.plane, point)) continue;
+      const std::vector<std::uint32_t> casters = casters_before(sheet, point);
+      sums.triangles += triangles_of(casters);
+      std::vector<std::uint32_t> opaque, glass;
+      for (const std::uint32_t m : casters) (scene_->meshes[m].transmission ? glass : opaque).push_back(m);
+      glNamedFramebufferTexture(framebuffer, GL_COLOR_ATTACHMENT0, shares.name(), 0);
+      const float all[] = {1, 0, 0, 0};
+      glClearNamedFramebufferfv(framebuffer, GL_COLOR, 0, all);
+      glEnable(GL_CLIP_DISTANCE0);
+      glEnable(GL_CLIP_DISTANCE1);
+      set_projection(shadow_programs_, sheet, point);
+      glDisable(GL_BLEND);
+      buffers.draw(opaque, shadow_programs_.opaque);
+      shadow_programs_.draw_glass(buffers, glass);
+      glDisable(GL_CLIP_DISTANCE1);
+      glDisable(GL_CLIP_DISTANCE0);
+      glNamedFramebufferTextureLayer(framebuffer, GL_COLOR_ATTACHMENT0, sums.texture.name(), 0, static_cast<GLint>(layer));
+      glBlendFunc(GL_ONE, GL_ONE);
+      add_shares_program_.set("light_point", point);
+      glUseProgram(add_shares_program_.name());
+      draw_full_screen();
+    }
+  }
+  /// What adding needs of a sheet; `adds` as add_fragment has it.
+  static void set_sheet(const auto& program, const LitSheets& lit, const Sheet& sheet, const glm::vec2& adds) {
+    const auto* const sphere = has_far_side(lit.light) ? std::get_if<SphereLight>(&lit.light.kind) : nullptr;
+    program.set("corner", glm::vec3(sheet.corner));
+    program.set("step_x", glm::vec3(sheet.x / double(lit.resolution)));
+    program.set("step_y", glm::vec3(sheet.y / double(lit.resolution)));
+    program.set("sphere", sphere ? glm::vec4(sphere->center, 1 / sphere->radius) : glm::vec4(0));
+    program.set("adds", adds);
+  }
+  std::size_t triangles_of(const std::vector<std::uint32_t>& meshes) const {
+    std::size_t triangles = 0;
+    for (const std::uint32_t m : meshes) triangles += scene_->meshes[m].triangles.size();
+    return triangles;
+  }
+  /// Those whose shadow from a point may fall on what lies on a sheet's plane.
+  std::vector<std::uint32_t> casters_before(const Sheet& sheet, const glm::vec3& point) const {
     const glm::dvec4 light(glm::dvec3(point), 1);
     const PlaneProjection projection(sheet.plane, light);
     const double slack = std::max(4 * clip_tolerance_, 0x1p-20 * extent_);
@@ -221,7 +276,11 @@ class SheetPainter {
       if (glm::dot(sheet.plane, glm::dvec4(highest, 1)) <= clip_tolerance_) continue;
       if (projection.may_reach(box, lookup_.bounds()[sheet.index], slack)) casters.push_back(m);
     }
-    if (casters.empty()) return 0;
+    return casters;
+  }
+  /// Of programs with projection_vertex.
+  void set_projection(const auto& p, const Sheet& sheet, const glm::vec3& point) const {
+    const PlaneProjection projection(sheet.plane, glm::dvec4(glm::dvec3(point), 1));
     // The place corner + s x + t y of the plane is at the shares s and t of the texture; in clip space y runs up.
     const auto row = [&](const glm::dvec3& along, double sign) {
       const glm::dvec3 per = 2.0 * sign * along / glm::dot(along, along);
@@ -229,29 +288,24 @@ class SheetPainter {
     };
     const glm::dmat4 texture_from_world =
         glm::transpose(glm::dmat4(row(sheet.x, 1), row(sheet.y, -1), glm::dvec4(0, 0, 0, 0.5), glm::dvec4(0, 0, 0, 1)));
-    const CasterPrograms& p = add_programs_;
     p.set("clip_from_world", glm::mat4(texture_from_world * projection.projected));
     p.set("plane", glm::vec4(sheet.plane));
     p.set("tolerance", static_cast<float>(clip_tolerance_));
     p.set("per_light_height", static_cast<float>(projection.per_light_height));
     // The share's own rounding error: casters that near to the light's height go to infinity anyway.
     p.set("least_share", static_cast<float>(0x1p-22 + clip_tolerance_ * projection.per_light_height));
-    p.set("light_point", point);
-    const SceneBuffers& buffers = scene_buffers(*scene_);
-    buffers.draw(casters, p);
-    std::size_t triangles = 0;
-    for (const std::uint32_t m : casters) triangles += buffers.meshes[m].triangle_count;
-    return triangles;
   }
 
   CasterPrograms add_programs_;
-  Program all_program_, look_up_program_;
+  ShadowPrograms shadow_programs_;
+  Program all_program_, add_shares_program_, look_up_program_;
   Framebuffer framebuffer_;
   const Scene* scene_ = nullptr;
   PlaneLookup lookup_;
   std::vector<Bounds> bounds_;                                 // of each mesh
   std::vector<std::pair<glm::dvec2, glm::dvec2>> rectangles_;  // around what lies on each plane, along its Across
   std::vector<std::uint32_t> casters_;
+  bool has_glass_ = false;
   double clip_tolerance_ = 0, extent_ = 0;
 };
 

@@ -31,7 +31,7 @@ inline unsigned bits(FourFlags flags) {
 /// A casting triangle, its corners counter-clockwise seen from the light once it is in the tree.
 struct Caster {
   glm::vec3 points[3];
-  std::uint32_t mesh;      ///< no_mesh where it has holes: it never makes another triangle needless
+  std::uint32_t mesh;      ///< no_mesh where it has holes or transmission: it never makes another triangle needless
   std::uint32_t triangle;  ///< counted over the scene
   float steepness = 0;     ///< see Wedges; set with the order of the corners
 };

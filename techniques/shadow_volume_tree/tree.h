@@ -1,5 +1,5 @@
 #pragma once
-#include <gnomon/kit/geometry/holes.h>
+#include <gnomon/kit/geometry/crossings.h>
 #include <gnomon/kit/geometry/receiver.h>
 #include <gnomon/kit/parallel.h>
 
@@ -37,6 +37,7 @@ struct QueryWork {
   std::vector<std::uint32_t> stack;  ///< room for Tree::longest_stack()
   std::uint64_t queries = 0, visits = 0, longest_stack = 0;
   SignCounts signs;
+  Crossings glass;  ///< of the last query
   QueryWork& operator+=(const QueryWork& other) {
     longest_stack = std::max(longest_stack, other.longest_stack);
     return add_up(*this, other, &QueryWork::queries, &QueryWork::visits, &QueryWork::signs);
@@ -108,16 +109,19 @@ class Tree {
   }
 
   /// To start queries with.
-  QueryWork make_work() const { return {.stack = std::vector<std::uint32_t>(longest_stack() + 1), .signs = {}}; }
-  /// The first caster found that shades the point, counted over the scene, or `none`. `numbers` are those of the scene where
-  /// a caster has holes.
+  QueryWork make_work() const { return {.stack = std::vector<std::uint32_t>(longest_stack() + 1), .signs = {}, .glass = {}}; }
+  /// The first opaque caster found that shades the point, counted over the scene, or `none`. `work.glass` becomes the casters
+  /// with transmission that the way to the light crosses; where an opaque one is found, some. `numbers` are those of the scene
+  /// where a caster has holes or transmission.
   ///
   /// A query of a point on a shadow plane visits both sides: the point is then shaded through an edge or vertex. A caster
   /// shades neither a point on its capping plane nor one before it. It shades a point behind that plane, and the query ends,
-  /// unless the caster is the point's own or the way goes through a hole of it: then all of the caster's trees remain.
+  /// unless the caster is the point's own, of glass, or the way goes through a hole of it: then all of the caster's trees
+  /// remain.
   std::uint32_t shading_triangle(const Scene& scene, const NumberedReceiver& receiver, QueryWork& work,
                                  const TriangleNumbers& numbers = {}) const {
     ++work.queries;
+    work.glass.clear();
     if (grown_.used == 0) return none;
     const glm::vec3 p(glm::dvec3(receiver.point) - glm::dvec3(frame_.center));
     const float error = Planes::error(std::max(frame_.reach, Frame::largest(p))), depth = frame_.farthest(receiver.point),
@@ -157,7 +161,7 @@ class Tree {
           if (!is_behind && !(inside >> 3 & 1))
             is_behind = exact_sign(casters_[0][place], 3, receiver.point, frame_, work.signs) < 0;
           if (is_behind && !receiver.is_coplanar(scene, casters_[0][place].points) &&
-              is_solid(scene, numbers, casters_[0][place], receiver.point)) {
+              (casters_[0][place].mesh != no_mesh || blocks(scene, numbers, casters_[0][place], receiver.point, work.glass))) {
             found = group.triangle;
             break;
           }
@@ -179,11 +183,15 @@ class Tree {
   std::size_t bytes() const { return bytes_of(groups_, ways_, nearest_, stack_, casters_[0], casters_[1]); }
 
  private:
-  /// Where the way from a point to the light crosses a caster.
-  bool is_solid(const Scene& scene, const TriangleNumbers& numbers, const Caster& caster, const glm::vec3& point) const {
-    if (caster.mesh != no_mesh) return true;
-    const std::uint32_t mesh = numbers.mesh_of(caster.triangle);
-    return is_solid_at(scene.meshes[mesh], caster.triangle - numbers.first_of(mesh), {point, frame_.light});
+  /// Whether a caster that the way from a point to the light crosses, with holes or transmission, is solid and opaque there;
+  /// solid glass joins the others. Apart from the loop of queries, which is slower with it inside.
+  [[gnu::noinline]] bool blocks(const Scene& scene, const TriangleNumbers& numbers, const Caster& caster,
+                                const glm::vec3& point, Crossings& glass) const {
+    const std::uint32_t mesh = numbers.mesh_of(caster.triangle), triangle = caster.triangle - numbers.first_of(mesh);
+    if (!is_solid_at(scene.meshes[mesh], triangle, {point, frame_.light})) return false;
+    if (!scene.meshes[mesh].transmission) return true;
+    glass.add(mesh, triangle);
+    return false;
   }
 
   struct Link {

@@ -41,6 +41,14 @@ struct EyePlace {
   bool boundary = false;        ///< within rounding of a face: for one rounding inside, for another outside
 };
 
+/// Among the volumes of two sets of casters.
+inline EyePlace both(const EyePlace& a, const EyePlace& b) {
+  return {.inside = a.inside || b.inside,
+          .near_rectangle = a.near_rectangle || b.near_rectangle,
+          .light_beside = a.light_beside || b.light_beside,
+          .boundary = a.boundary || b.boundary};
+}
+
 /// In double. Rounding is taken as 2^-16 of the scene's extent, 256 float32 roundings of its largest coordinate: a side quad
 /// seen so nearly edge-on was seen to be off by 2^-18 of it.
 class EyePlaceFinder {

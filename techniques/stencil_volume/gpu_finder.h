@@ -1,6 +1,8 @@
 #pragma once
 #include <gnomon/kit/volumes/volume_faces.h>
 
+#include <memory>
+
 namespace stencil_volume {
 using namespace gnomon;
 
@@ -114,9 +116,16 @@ class GpuFinder {
   }
 
   void setup() {
-    facing_program_ = Program::compute("stencil_volume facing", finder_head + facing_body);
-    edges_program_ = Program::compute("stencil_volume edges", finder_head + edges_body);
-    irregular_program_ = Program::compute("stencil_volume irregular edges", finder_head + irregular_body);
+    programs_ = std::make_shared<const Programs>(
+        Programs{.facing = Program::compute("stencil_volume facing", finder_head + facing_body),
+                 .edges = Program::compute("stencil_volume edges", finder_head + edges_body),
+                 .irregular = Program::compute("stencil_volume irregular edges", finder_head + irregular_body)});
+  }
+  /// For other triangles, with the same programs.
+  GpuFinder another() const {
+    GpuFinder finder;
+    finder.programs_ = programs_;
+    return finder;
   }
 
   void build(const EdgeAdjacency& adjacency) {
@@ -206,19 +215,22 @@ class GpuFinder {
       glDispatchCompute(rows > 1 ? 32768 : groups, rows, 1);
       glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
     };
-    dispatch(facing_program_, adjacency.triangles().size(),
+    dispatch(programs_->facing, adjacency.triangles().size(),
              {buffers.positions.name(), triangles_.name(), first_.name(), faces.hubs.name(), halves_.name(), work_.name(),
               faces.caps.name(), faces.triangles.name()});
-    dispatch(edges_program_, adjacency.edges().size(),
+    dispatch(programs_->edges, adjacency.edges().size(),
              {edges_.name(), triangles_.name(), 0, 0, 0, work_.name(), faces.sides.name()});
-    dispatch(irregular_program_, adjacency.irregular_edges().size(),
+    dispatch(programs_->irregular, adjacency.irregular_edges().size(),
              {irregular_.name(), triangles_.name(), at_irregular_.name(), 0, 0, work_.name(), faces.sides.name()});
     glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT | GL_ELEMENT_ARRAY_BARRIER_BIT | GL_COMMAND_BARRIER_BIT);
     glGetNamedBufferSubData(work_.name(), 0, sizeof(commands), &commands);
     return commands;
   }
 
-  Program facing_program_, edges_program_, irregular_program_;
+  struct Programs {
+    Program facing, edges, irregular;
+  };
+  std::shared_ptr<const Programs> programs_;
   Buffer triangles_, first_, edges_, irregular_, at_irregular_;
   RewrittenBuffer halves_, work_;
   std::size_t side_count_ = 0;  // of the last `find`

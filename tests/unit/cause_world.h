@@ -23,7 +23,7 @@ struct World {
   explicit World(Scene the_scene, Light the_light = hand_made::sun({0, -1, 0}),
                  View view = {.eye = {0, 10, 0}, .target = {0, 0, 0}, .up = {0, 0, -1}}, Truth geometry = Truth::mesh)
       : scene(std::move(the_scene)), light(std::move(the_light)), casters(scene, geometry, RayScene::Which::casters) {
-    const RayScene everything(scene, geometry, RayScene::Which::all);
+    const RayScene everything(scene, geometry, RayScene::Which::seen);
     gbuffer = make_gbuffer(scene, everything, view, 64, 64, geometry);
     truth.resize(gbuffer.size());
     trace_shadows(casters, scene, gbuffer, light, truth);

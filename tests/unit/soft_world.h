@@ -10,7 +10,7 @@ namespace gnomon::soft_world {
 struct World {
   World(Scene the_scene, Light the_light)
       : scene(std::move(the_scene)), light(std::move(the_light)), casters(scene, Truth::mesh, RayScene::Which::casters) {
-    const RayScene everything(scene, Truth::mesh, RayScene::Which::all);
+    const RayScene everything(scene, Truth::mesh, RayScene::Which::seen);
     gbuffer = make_gbuffer(scene, everything, {.eye = {0, 10, 0}, .target = {0, 0, 0}, .up = {0, 0, -1}}, 64, 64, Truth::mesh);
     truth = trace_soft(scene, casters, gbuffer, light, find_silhouettes(everything, gbuffer), target);
     mask = truth.area;

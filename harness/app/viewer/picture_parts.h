@@ -41,7 +41,7 @@ struct Frame {
   std::size_t chosen() const;
   /// Whether masks have values between lit and umbra: under a light with area, and under several lights.
   bool has_shares() const { return kind() != AnswerKind::binary; }
-  AnswerKind kind() const { return is_together() ? AnswerKind::received : answer_kind(light); }
+  AnswerKind kind() const { return is_together() ? AnswerKind::received : answer_kind(scene(), light); }
   bool is_full() const { return gbuffer.width == picture_width && gbuffer.height == picture_height; }
 };
 

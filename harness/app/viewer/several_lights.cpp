@@ -80,7 +80,7 @@ Evidence evidence_of(const Frame& frame, const ReferenceState& reference, LightS
           .light = &frame.lights[k],
           .reference_error = is_irradiance ? own.irradiance_error : own.error,
           .reference_half = is_irradiance ? own.irradiance_half : own.half,
-          .kind = answer_kind(frame.lights[k])};
+          .kind = answer_kind(frame.scene(), frame.lights[k])};
 }
 
 }  // namespace

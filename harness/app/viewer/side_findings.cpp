@@ -89,11 +89,11 @@ std::vector<std::vector<std::uint8_t>> SideLane::right_on_mesh(const Frame& fram
   if (set_frame(mesh_frame, "causes")) {
     const std::vector<std::vector<float>> masks = split_masks(resolve_mask(false), lights.size());
     for (std::size_t k = 0; k < lights.size(); ++k) {
-      const bool is_fraction = answer_kind(frame.all_lights()[k]) == AnswerKind::fraction;
+      const AnswerKind kind = answer_kind(frame.scene(), frame.all_lights()[k]);
       const std::vector<float>& truth = lights[k]->on_mesh->mask;
       for (std::size_t i = 0; i < masks[k].size(); ++i)
-        right[k].push_back(is_fraction ? std::abs(masks[k][i] - truth[i]) <= 4 * AreaTarget{}.error
-                                       : !is_wrong(masks[k][i], truth[i]));
+        right[k].push_back(kind == AnswerKind::fraction ? std::abs(masks[k][i] - truth[i]) <= 4 * AreaTarget{}.error
+                                                        : !is_wrong(masks[k][i], truth[i], kind));
     }
   }
   set_frame(frame, "causes");
@@ -119,7 +119,7 @@ void SideLane::find_causes_of(const std::shared_ptr<const Verdict>& verdict,
   const bool is_done = causes_.run(ticket, [&] {
     for (std::size_t k = 0; k < lights.size(); ++k) {
       Reference reference{lights[k]->mask, lights[k]->classes, lights[k]->nearest_caster, lights[k]};
-      reference.kind = answer_kind(frame.all_lights()[k]);
+      reference.kind = answer_kind(frame.scene(), frame.all_lights()[k]);
       reference.error = lights[k]->error;
       reference.irradiance = lights[k]->irradiance;
       reference.irradiance_error = lights[k]->irradiance_error;

@@ -1,6 +1,7 @@
 #pragma once
 #include <gnomon/alpha_mask.h>
 #include <gnomon/light.h>
+#include <gnomon/transmission.h>
 
 #include <cstdint>
 #include <glm/glm.hpp>
@@ -98,11 +99,14 @@ struct Mesh {
   bool casts = true;
   bool receives = true;
   glm::vec3 albedo{0.7f};      ///< linear
-  std::optional<Shape> shape;  ///< exact shape beside the tessellation; a flat one where there is an alpha mask
+  std::optional<Shape> shape;  ///< exact shape beside the tessellation; a flat one where there are masks or glass
   MeshFacts facts;
   /// Where the triangles are solid; null: everywhere. Other meshes may share it.
   std::shared_ptr<const AlphaMask> alpha_mask;
-  std::vector<glm::vec2> uv;  ///< places in the alpha mask, one for each position; empty without one
+  /// What part of the light its solid parts let through; null: nothing. Other meshes may share it. It casts, two-sided.
+  std::shared_ptr<const Transmission> transmission;
+  bool seen = true;           ///< by the eye; otherwise the mesh only casts
+  std::vector<glm::vec2> uv;  ///< places in alpha mask and transmission, one for each position; empty where neither has texels
 
   Triangle corners(std::size_t triangle) const {
     const glm::uvec3& t = triangles[triangle];
@@ -110,8 +114,10 @@ struct Mesh {
   }
   /// Whether mesh truth and shape truth differ.
   bool has_curved_shape() const { return shape && is_curved(*shape); }
-  /// Whether it has an inside: a surface with holes has none, however its triangles meet.
-  bool is_closed() const { return !alpha_mask && facts.closed(); }
+  /// Whether it has an inside: a surface with holes or of glass has none, however its triangles meet.
+  bool is_closed() const { return !alpha_mask && !transmission && facts.closed(); }
+  /// Whether its places in a picture count: `uv` has one for each position.
+  bool needs_uv() const { return alpha_mask || (transmission && !transmission->is_constant()); }
 };
 
 /// Pinhole camera. The image plane is perpendicular to target - eye; `up` gives its upward side.
@@ -146,6 +152,9 @@ struct Scene {
   bool has_curved_shapes() const;
   /// Whether a mesh has an alpha mask.
   bool has_alpha_masks() const;
+  /// Whether a caster lets light through, and whether one colors it.
+  bool has_transmission() const;
+  bool has_colored_transmission() const;
 };
 
 /// Largest absolute coordinate of vertices, eye and finite light: the scale of float32 rounding in this scene.

@@ -66,7 +66,9 @@ std::string_view name(Floor floor);
 /// What a scene may hold beside opaque triangles that stand still. A technique says which of it it handles; a scene that holds
 /// more is unsupported, so that nothing that was written before the feature is silently wrong on it.
 enum class Feature {
-  alpha_masks,  ///< casters with holes, see Mesh::alpha_mask
+  alpha_masks,           ///< casters with holes, see Mesh::alpha_mask
+  transmission,          ///< casters that let a part of the light through, see Mesh::transmission
+  colored_transmission,  ///< of them such as let more of one color through than of another
 };
 std::string_view name(Feature feature);
 /// By name; nothing where there is none.
@@ -112,6 +114,8 @@ Support support_of(const About& about, const Technique& technique, const Scene& 
 
 /// What a technique that looks up AlphaMask handles.
 inline constexpr Feature with_alpha_masks[] = {Feature::alpha_masks};
+/// And one that multiplies what Transmission lets through, the same for all colors.
+inline constexpr Feature with_gray_transmission[] = {Feature::alpha_masks, Feature::transmission};
 
 /// A shadow technique. Life: construct (no work), set parameters, then setup, build, relight, resolve in this order; each
 /// later stage may be repeated without the earlier ones, with other arguments. A parameter set afterwards is seen from the

@@ -42,7 +42,8 @@ GNOMON_VECTORIZED std::uint32_t aim(const float* f, const float* x, const float*
   return held;
 }
 
-/// Of each replica: places asked and blocked, and the weights of both. And the largest weight of all.
+/// Of each replica: places asked and blocked, those that are dimmed by what they miss, and the weights of both. And the largest
+/// weight of all.
 struct Sums {
   std::array<double, ray_replicas> asked{}, blocked{}, weight{}, blocked_weight{};
   float heaviest = 0;
@@ -84,6 +85,19 @@ GNOMON_VECTORIZED void add_up(std::uint32_t asked, std::uint32_t blocked, const 
   }
 }
 
+/// The same of rays that may be dimmed, in double: in float32 parts of rays do not add up to the same in every replica.
+void add_up(const FaceHits& hits, Sums& sums) {
+  for (std::uint32_t left = hits.asked; left; left &= left - 1) {
+    const int k = std::countr_zero(left), replica = k % ray_replicas;
+    const double hidden = 1 - hits.seen(k), weight = hits.weight[k];
+    sums.asked[replica] += 1;
+    sums.blocked[replica] += hidden;
+    sums.weight[replica] += weight;
+    sums.blocked_weight[replica] += hidden * weight;
+    sums.heaviest = std::max(sums.heaviest, hits.weight[k]);
+  }
+}
+
 /// Traces rays to the places of rounds from .. to - 1 of each replica.
 void ask(const FaceRays& rays, const Scramble& scramble, std::uint32_t from, std::uint32_t to, Sums& sums) {
   SortedRounds sorted;
@@ -93,7 +107,10 @@ void ask(const FaceRays& rays, const Scramble& scramble, std::uint32_t from, std
     LaneSums chunk;
     for (std::uint32_t packet = 0; packet < sorted.packet_count(); ++packet) {
       const FaceHits hits = rays.ask(sorted.squares(packet));
-      add_up(hits.asked, hits.blocked, hits.weight.data(), chunk);
+      if (rays.has_transmission())
+        add_up(hits, sums);
+      else
+        add_up(hits.asked, hits.blocked, hits.weight.data(), chunk);
     }
     for (std::size_t k = 0; k < ray_lanes; ++k) {
       sums.asked[k % ray_replicas] += chunk.asked[k];
@@ -162,18 +179,40 @@ FaceHits FaceRays::ask(const Squares& squares, std::uint32_t wanted) const {
   FaceHits hits;
   ShadowPacket packet;
   hits.asked = aim(numbers_.data(), squares.x.data(), squares.y.data(), packet, hits.weight.data()) & wanted;
-  if (hits.asked) hits.blocked = casters_.occluded(hits.asked, packet, {mesh_.data(), triangle_.data()});
+  if (hits.asked && has_transmission_)
+    look_through(packet, hits);
+  else if (hits.asked)
+    hits.blocked = casters_.occluded(hits.asked, packet, {mesh_.data(), triangle_.data()});
   return hits;
+}
+
+void FaceRays::look_through(ShadowPacket& packet, FaceHits& hits) const {
+  thread_local std::array<Crossings, ray_lanes> crossings;  // they keep their memory
+  const ShadowPacket aimed = packet;                        // tracing may take the packet to another frame
+  hits.blocked = casters_.crossed(hits.asked, packet, {mesh_.data(), triangle_.data()}, crossings);
+  for (std::uint32_t left = hits.asked & ~hits.blocked; left; left &= left - 1) {
+    const int k = std::countr_zero(left);
+    if (crossings[k].empty()) continue;
+    const glm::dvec3 origin(aimed.ox[k], aimed.oy[k], aimed.oz[k]), direction(aimed.dx[k], aimed.dy[k], aimed.dz[k]);
+    const Crossings::Product product = crossings[k].product([&](std::uint32_t mesh, std::uint32_t triangle) {
+      return transmission_along(casters_.scene().meshes[mesh], triangle, origin, direction);
+    });
+    hits.passed[k] = static_cast<float>(product.share.x);
+    if (hits.passed[k] == 0) hits.blocked |= 1u << k;
+    if (hits.passed[k] > 0 && hits.passed[k] < 1) hits.dimmed |= 1u << k;
+  }
 }
 
 SampledShares sample_shares(const FaceRays& rays, std::uint64_t seed, const AreaTarget& target) {
   const auto error_of = [](const SampledShares& shares) { return std::max(shares.area_error, shares.irradiance_error); };
+  // Counts of rays are exact; replicas that all see the same through transmission differ by the rounding of their sums.
+  const double rounding = rays.has_transmission() ? 1e-12 : 0;
   // 64 rays; where they differ, 256.
   std::uint32_t pilot_rounds = 4;
   const Scramble pilot_scramble(2 * seed);
   Sums pilot;
   ask(rays, pilot_scramble, 0, pilot_rounds, pilot);
-  if (error_of(shares_of(pilot)) > 0) {
+  if (error_of(shares_of(pilot)) > rounding) {
     ask(rays, pilot_scramble, pilot_rounds, 16, pilot);
     pilot_rounds = 16;
   }
@@ -202,8 +241,8 @@ SampledShares sample_shares(const FaceRays& rays, std::uint64_t seed, const Area
     known_area = std::max(by_now * known_area, shares.area_error);
     known_irradiance = std::max(by_now * known_irradiance, shares.irradiance_error);
     // The halves of those that happen to agree differ by too little, too.
-    const auto as_far_as = [](double half, double whole, double known, double spread) {
-      return spread > 0 ? whole + (half - whole) * known / spread : half;
+    const auto as_far_as = [&](double half, double whole, double known, double spread) {
+      return spread > rounding ? whole + (half - whole) * known / spread : half;
     };
     shares.area_half = as_far_as(shares.area_half, shares.area, known_area, shares.area_error);
     shares.irradiance_half = as_far_as(shares.irradiance_half, shares.irradiance, known_irradiance, shares.irradiance_error);

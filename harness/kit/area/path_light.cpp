@@ -197,9 +197,16 @@ std::optional<std::string> endless_bounces(const Scene& scene) {
   return std::nullopt;
 }
 
+std::optional<std::string> untraceable_light(const Scene& scene) {
+  if (scene.has_transmission())
+    return "the scene has casters that let a part of the light through (transmission), and light paths do not go through them";
+  return endless_bounces(scene);
+}
+
 PathPicture trace_paths(const LightSurfaces& surfaces, const GBuffer& gbuffer, const Light& light, const PathOptions& options,
                         std::atomic<std::size_t>* done) {
   assert(has_area(light) && options.samples >= ray_lanes);
+  if (surfaces.scene.has_transmission()) throw Error("scene {}: {}", surfaces.scene.name, *untraceable_light(surfaces.scene));
   PathPicture picture{std::vector<float>(3 * gbuffer.size(), 0.0f), std::vector<float>(3 * gbuffer.size(), 0.0f),
                       std::vector<float>(gbuffer.size(), 1.0f), 0};
   std::atomic<std::size_t> ray_count = 0;

@@ -20,7 +20,7 @@ Answer answer(std::string_view technique, const Scene& scene, const Light& light
     throw Error("{} does not support this: {}", entry.id, support.why());
   Answer seen;
   seen.gbuffer =
-      make_gbuffer(scene, RayScene(scene, entry.about.sees, RayScene::Which::all), view, width, height, entry.about.sees);
+      make_gbuffer(scene, RayScene(scene, entry.about.sees, RayScene::Which::seen), view, width, height, entry.about.sees);
   VisibilityMask mask(width, height);
   object->setup();
   object->build(scene);

@@ -279,6 +279,8 @@ CutMasks::CutMasks(const Scene& scene, std::size_t most, Shown shown) : original
     solid.name = mesh.name + " without holes";
     solid.receives = false;
     solid.albedo = mesh.albedo;
+    solid.seen = mesh.seen;
+    if (mesh.transmission && mesh.transmission->is_constant()) solid.transmission = mesh.transmission;
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t, ++source) {
       const PiecesOfUv* const pieces = cutter.cut(mesh, mesh.triangles[t]);
       const std::size_t before = solid.triangles.size();

@@ -16,7 +16,7 @@ EdgeAdjacency::EdgeAdjacency(const Scene& scene) {
     meshes_.push_back({static_cast<std::uint32_t>(triangles_.size()),
                        static_cast<std::uint32_t>(mesh.triangles.size()),
                        mesh.casts,
-                       mesh.alpha_mask != nullptr,
+                       mesh.alpha_mask || mesh.transmission,
                        {}});
     positions_.insert(positions_.end(), mesh.positions.begin(), mesh.positions.end());
     casts.resize(positions_.size(), mesh.casts);

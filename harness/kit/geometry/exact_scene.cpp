@@ -36,7 +36,7 @@ Approach approach(const glm::dvec3& a, const glm::dvec3& u, double s_end, const 
 
 }  // namespace
 
-ExactScene::ExactScene(const Scene& scene) : scene_(&scene) {
+ExactScene::ExactScene(const Scene& scene) : scene_(&scene), has_transmission_(scene.has_transmission()) {
   std::vector<Caster> casters;
   casters.reserve(scene.triangle_count());
   for (std::uint32_t m = 0; m < scene.meshes.size(); ++m) {
@@ -59,13 +59,44 @@ ExactAnswer ExactScene::occluded(const Receiver& receiver, const glm::dvec4& lig
     ++tally.triangles;
     const Crossing crossing = crosses(segment, caster.corners, &tally.signs);
     if (crossing == Crossing::none || leaves_out(receiver, caster)) return false;
-    if (!is_solid_at(scene_->meshes[caster.mesh], caster.triangle, segment)) return false;
+    const Mesh& mesh = scene_->meshes[caster.mesh];
+    if (mesh.transmission || !is_solid_at(mesh, caster.triangle, segment)) return false;
     touched |= crossing == Crossing::degenerate;
     return crossing == Crossing::crosses;
   });
   // A proper crossing settles the answer whatever else was touched, so the answer does not depend on the order of casters.
   const ExactAnswer answer{crossed || touched, touched && !crossed};
   ++tally.rays;
+  tally.degenerate += answer.degenerate;
+  return answer;
+}
+
+ExactShare ExactScene::transmitted(const Receiver& receiver, const glm::dvec4& light, ExactTally& tally) const {
+  const Segment segment{receiver.point, light};
+  bool touches_opaque = false, touches_glass = false;
+  Crossings glass;
+  const bool crossed = tree_.any(SegmentSlabs(segment), 0, [&](std::uint32_t place) {
+    const Caster& caster = casters_[place];
+    ++tally.triangles;
+    const Crossing crossing = crosses(segment, caster.corners, &tally.signs);
+    if (crossing == Crossing::none || leaves_out(receiver, caster)) return false;
+    const Mesh& mesh = scene_->meshes[caster.mesh];
+    if (!is_solid_at(mesh, caster.triangle, segment)) return false;
+    if (mesh.transmission) {
+      glass.add(caster.mesh, caster.triangle);
+      touches_glass |= crossing == Crossing::degenerate;
+      return false;
+    }
+    touches_opaque |= crossing == Crossing::degenerate;
+    return crossing == Crossing::crosses;
+  });
+  ++tally.rays;
+  ExactShare answer;
+  if (crossed || touches_opaque)
+    answer.light.share = glm::dvec3(0);
+  else
+    answer.light = glass.product(*scene_, segment);
+  answer.degenerate = !crossed && (touches_opaque || touches_glass);
   tally.degenerate += answer.degenerate;
   return answer;
 }
@@ -77,9 +108,13 @@ ExactTally ExactScene::decide(const GBuffer& gbuffer, const Light& light, std::s
   for_blocks(gbuffer.size(), block, [&](std::size_t begin, std::size_t end) {
     ExactTally tally;
     for (std::size_t i = begin; i < end; ++i) {
-      const bool blocked =
-          faces_light(*scene_, gbuffer, light, i) && occluded(receiver_at(*scene_, gbuffer, i), l, tally).blocked;
-      visibility[i] = blocked ? 0.0f : 1.0f;
+      visibility[i] = 1;
+      if (!faces_light(*scene_, gbuffer, light, i)) continue;
+      const Receiver receiver = receiver_at(*scene_, gbuffer, i);
+      if (has_transmission_)
+        visibility[i] = static_cast<float>(transmitted(receiver, l, tally).light.share.x);
+      else if (occluded(receiver, l, tally).blocked)
+        visibility[i] = 0;
     }
     tallies[begin / block] = tally;
   });

@@ -40,9 +40,9 @@ Weights weights(const Mesh& mesh, std::uint32_t triangle, const glm::dvec3& poin
 /// The coordinate of one axis at the corners, in texels: at most 24 + 14 bits, so exact.
 struct Axis {
   double at[3];
-  Axis(const Mesh& mesh, std::uint32_t triangle, int axis) {
-    const double texels = axis == 0 ? mesh.alpha_mask->width() : mesh.alpha_mask->height();
-    for (int k = 0; k < 3; ++k) at[k] = texels * static_cast<double>(mesh.uv[mesh.triangles[triangle][k]][axis]);
+  Axis(const Mesh& mesh, std::uint32_t triangle, int axis, int texels) {
+    for (int k = 0; k < 3; ++k)
+      at[k] = static_cast<double>(texels) * static_cast<double>(mesh.uv[mesh.triangles[triangle][k]][axis]);
   }
   double place(const Weights& weights) const {
     return (weights.w[0] * at[0] + weights.w[1] * at[1] + weights.w[2] * at[2]) / weights.sum();
@@ -102,44 +102,95 @@ std::int64_t exact_texel(const Mesh& mesh, std::uint32_t triangle, const Segment
   return floor.get_si();
 }
 
+/// What `look_up(column, row)` finds where a segment meets a triangle whose texture has width x height texels.
+template <class LookUp>
+auto found_at(const Mesh& mesh, std::uint32_t triangle, const Segment& segment, int width, int height, const LookUp& look_up) {
+  const glm::dvec3 point = segment.point;
+  const Weights w = weights(mesh, triangle, point, glm::dvec3(segment.light) - segment.light.w * point);
+  const Axis u(mesh, triangle, 0, width), v(mesh, triangle, 1, height);
+  const Candidates columns = candidates(u, w), rows = candidates(v, w);
+  const auto found = look_up(columns.first, rows.first);
+  bool is_same = true;
+  for (std::int64_t row = rows.first; row <= rows.last; ++row)
+    for (std::int64_t column = columns.first; column <= columns.last; ++column) is_same &= look_up(column, row) == found;
+  if (is_same && columns.is_sure && rows.is_sure) return found;
+  return look_up(exact_texel(mesh, triangle, segment, u), exact_texel(mesh, triangle, segment, v));
+}
+
+/// The same along a line, in double; `edge_on` where the line runs in the triangle's plane and meets no texel.
+template <class LookUp>
+auto found_along(const Mesh& mesh, std::uint32_t triangle, const glm::dvec3& origin, const glm::dvec3& direction, double scale,
+                 int width, int height, const LookUp& look_up, decltype(look_up(0, 0)) edge_on) {
+  const Weights w = weights(mesh, triangle, origin, direction, scale);
+  const double x = Axis(mesh, triangle, 0, width).place(w), y = Axis(mesh, triangle, 1, height).place(w);
+  if (!is_texel(x) || !is_texel(y)) return edge_on;
+  return look_up(static_cast<std::int64_t>(std::floor(x)), static_cast<std::int64_t>(std::floor(y)));
+}
+
+/// A reach of so many texels meets all that a texture has near.
+constexpr double most_reach = 64;
+
+auto look_up_in(const AlphaMask& mask) {
+  return [&](std::int64_t column, std::int64_t row) { return mask.is_solid_wrapped(column, row); };
+}
+auto look_up_in(const Transmission& transmission) {
+  return [&](std::int64_t column, std::int64_t row) { return transmission.at_wrapped(column, row); };
+}
+
 }  // namespace
 
-TexelPlace texel_place(const Mesh& mesh, std::uint32_t triangle, const glm::dvec3& point, const glm::dvec4& light) {
+TexelPlace texel_place(const Mesh& mesh, std::uint32_t triangle, const glm::dvec3& point, const glm::dvec4& light,
+                       const glm::ivec2& size) {
   const Weights w = weights(mesh, triangle, point, glm::dvec3(light) - light.w * point);
-  return {Axis(mesh, triangle, 0).place(w), Axis(mesh, triangle, 1).place(w)};
+  return {Axis(mesh, triangle, 0, size.x).place(w), Axis(mesh, triangle, 1, size.y).place(w)};
 }
 
 bool is_solid_at(const Mesh& mesh, std::uint32_t triangle, const Segment& segment) {
   if (!mesh.alpha_mask) return true;
   const AlphaMask& mask = *mesh.alpha_mask;
-  const glm::dvec3 point = segment.point;
-  const Weights w = weights(mesh, triangle, point, glm::dvec3(segment.light) - segment.light.w * point);
-  const Axis u(mesh, triangle, 0), v(mesh, triangle, 1);
-  const Candidates columns = candidates(u, w), rows = candidates(v, w);
-  const bool is_solid = mask.is_solid_wrapped(columns.first, rows.first);
-  bool is_same = true;
-  for (std::int64_t row = rows.first; row <= rows.last; ++row)
-    for (std::int64_t column = columns.first; column <= columns.last; ++column)
-      is_same &= mask.is_solid_wrapped(column, row) == is_solid;
-  if (is_same && columns.is_sure && rows.is_sure) return is_solid;
-  return mask.is_solid_wrapped(exact_texel(mesh, triangle, segment, u), exact_texel(mesh, triangle, segment, v));
+  return found_at(mesh, triangle, segment, mask.width(), mask.height(), look_up_in(mask));
 }
 
 bool is_solid_along(const Mesh& mesh, std::uint32_t triangle, const glm::dvec3& origin, const glm::dvec3& direction,
                     double scale) {
   if (!mesh.alpha_mask) return true;
-  const Weights w = weights(mesh, triangle, origin, direction, scale);
-  const double x = Axis(mesh, triangle, 0).place(w), y = Axis(mesh, triangle, 1).place(w);
-  // Edge-on to the ray there is no place: solid, as the triangle is that was met.
-  if (!is_texel(x) || !is_texel(y)) return true;
-  return mesh.alpha_mask->is_solid_wrapped(static_cast<std::int64_t>(std::floor(x)), static_cast<std::int64_t>(std::floor(y)));
+  const AlphaMask& mask = *mesh.alpha_mask;
+  // Edge-on it is solid, as the triangle is that was met.
+  return found_along(mesh, triangle, origin, direction, scale, mask.width(), mask.height(), look_up_in(mask), true);
+}
+
+glm::vec3 transmission_at(const Mesh& mesh, std::uint32_t triangle, const Segment& segment) {
+  if (!mesh.transmission) return glm::vec3(0);
+  const Transmission& glass = *mesh.transmission;
+  if (glass.is_constant()) return glass.at(0, 0);
+  return found_at(mesh, triangle, segment, glass.width(), glass.height(), look_up_in(glass));
+}
+
+glm::vec3 transmission_along(const Mesh& mesh, std::uint32_t triangle, const glm::dvec3& origin, const glm::dvec3& direction,
+                             double scale) {
+  if (!mesh.transmission) return glm::vec3(0);
+  const Transmission& glass = *mesh.transmission;
+  if (glass.is_constant()) return glass.at(0, 0);
+  return found_along(mesh, triangle, origin, direction, scale, glass.width(), glass.height(), look_up_in(glass),
+                     glass.at(0, 0));
+}
+
+std::optional<glm::vec3> transmission_around(const Transmission& glass, const TexelPlace& place, double reach, float most) {
+  if (glass.is_constant()) return glass.at(0, 0);
+  if (!(reach < most_reach) || !is_texel(place.x) || !is_texel(place.y)) return std::nullopt;
+  const auto texel = [](double at) { return static_cast<std::int64_t>(std::floor(at)); };
+  const glm::vec3 found = glass.at_wrapped(texel(place.x), texel(place.y));
+  for (std::int64_t row = texel(place.y - reach); row <= texel(place.y + reach); ++row)
+    for (std::int64_t column = texel(place.x - reach); column <= texel(place.x + reach); ++column) {
+      const glm::vec3 off = glm::abs(glass.at_wrapped(column, row) - found);
+      if (std::max({off.x, off.y, off.z}) > most) return std::nullopt;
+    }
+  return found;
 }
 
 Around around(const AlphaMask& mask, const TexelPlace& place, double reach) {
-  // A reach of so many texels meets both in any mask that has both near.
-  constexpr double most = 64;
   const auto texel = [](double at) { return static_cast<std::int64_t>(std::floor(at)); };
-  if (!(reach < most) || !is_texel(place.x) || !is_texel(place.y)) {
+  if (!(reach < most_reach) || !is_texel(place.x) || !is_texel(place.y)) {
     const double coverage = mask.coverage();
     return coverage == 1 ? Around::solid : coverage == 0 ? Around::hole : Around::both;
   }
@@ -150,7 +201,8 @@ Around around(const AlphaMask& mask, const TexelPlace& place, double reach) {
   return is_solid ? Around::solid : Around::hole;
 }
 
-double texel_rounding(const Mesh& mesh, std::uint32_t triangle, const glm::dvec3& direction, double extent) {
+double texel_rounding(const Mesh& mesh, std::uint32_t triangle, const glm::dvec3& direction, double extent,
+                      const glm::ivec2& size) {
   const Triangle corners = mesh.corners(triangle);
   const glm::dvec3 a = corners.points[0], edges[2] = {glm::dvec3(corners.points[1]) - a, glm::dvec3(corners.points[2]) - a};
   const glm::dvec3 normal = glm::cross(edges[0], edges[1]);
@@ -158,7 +210,7 @@ double texel_rounding(const Mesh& mesh, std::uint32_t triangle, const glm::dvec3
   const double cosine = std::abs(glm::dot(normal, direction)) / (std::sqrt(area) * glm::length(direction));
   double stretch = 0, most = 0;
   for (int axis = 0; axis < 2; ++axis) {
-    const Axis texels(mesh, triangle, axis);
+    const Axis texels(mesh, triangle, axis, size[axis]);
     // The gradient of the coordinate over the triangle's plane.
     const glm::dvec3 gradient = ((texels.at[1] - texels.at[0]) * glm::cross(edges[1], normal) +
                                  (texels.at[2] - texels.at[0]) * glm::cross(normal, edges[0])) /

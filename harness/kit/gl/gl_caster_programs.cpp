@@ -25,11 +25,8 @@ void hand_on_mask() {
 }
 )";
 
-// Each mask has eight words of facts. The first four are width, height and the wraps along both axes.
-constexpr std::string_view mask_head = R"(
+constexpr std::string_view wrapped_texel = R"(
 in vec2 mask_uv;
-flat in int mask_number;
-layout(std430, binding = 7) readonly buffer AlphaMasks { uint mask_words[]; };
 int wrapped_texel(int place, int size, uint wrap) {
   if (wrap == 2u) return clamp(place, 0, size - 1);
   int period = wrap == 1u ? 2 * size : size;
@@ -37,6 +34,12 @@ int wrapped_texel(int place, int size, uint wrap) {
   int rest = place < 0 ? period - 1 - (-1 - place) % period : place % period;
   return rest < size ? rest : period - 1 - rest;
 }
+)";
+
+// Each mask has eight words of facts. The first four are width, height and the wraps along both axes.
+constexpr std::string_view mask_head = R"(
+flat in int mask_number;
+layout(std430, binding = 7) readonly buffer AlphaMasks { uint mask_words[]; };
 )";
 
 // The others are words of a row, first word of its bits, two unused.
@@ -124,11 +127,41 @@ bool in_hole() {
 )";
 
 std::string mask_fragment(AlphaRule rule) {
-  if (rule == AlphaRule::texel) return fmt::format("{}{}", mask_head, texel_rule);
-  return fmt::format("{}{}{}", mask_head, alpha_head, rule == AlphaRule::hashed ? hashed_rule : mips_rule);
+  if (rule == AlphaRule::texel) return fmt::format("{}{}{}", wrapped_texel, mask_head, texel_rule);
+  return fmt::format("{}{}{}{}", wrapped_texel, mask_head, alpha_head, rule == AlphaRule::hashed ? hashed_rule : mips_rule);
 }
 
 }  // namespace
+
+// A masked program has the places of its alpha mask.
+const std::string_view transmission_vertex_snippet = R"(
+layout(location = 4) in int transmission;
+#ifndef MASKED
+layout(location = 2) in vec2 uv;
+out vec2 mask_uv;
+#endif
+flat out int transmission_number;
+void hand_on_transmission() {
+  mask_uv = uv;
+  transmission_number = transmission;
+}
+)";
+
+// Facts as those of masks; the fifth is channels, the sixth the first word of the floats.
+const std::string transmission_fragment_snippet = fmt::format("#ifndef MASKED\n{}#endif\n", wrapped_texel) + R"(
+layout(std430, binding = 6) readonly buffer Transmissions { uint transmission_words[]; };
+flat in int transmission_number;
+float transmission_here() {
+  if (transmission_number < 0) return 0;
+  uint facts = 8u * uint(transmission_number);
+  ivec2 size = ivec2(transmission_words[facts], transmission_words[facts + 1u]);
+  ivec2 place = ivec2(floor(mask_uv * vec2(size)));
+  uint column = uint(wrapped_texel(place.x, size.x, transmission_words[facts + 2u]));
+  uint row = uint(wrapped_texel(place.y, size.y, transmission_words[facts + 3u]));
+  uint texel = (row * uint(size.x) + column) * transmission_words[facts + 4u];
+  return uintBitsToFloat(transmission_words[transmission_words[facts + 5u] + texel]);
+}
+)";
 
 const std::string depth_vertex = std::string(position_snippet) + R"(
 void main() {

@@ -38,8 +38,9 @@ std::uint64_t stamp(const Scene& scene) {
     mix(std::bit_cast<std::uintptr_t>(mesh.triangles.data()));
     mix(mesh.positions.size());
     mix(mesh.triangles.size());
-    mix(mesh.casts * 2 + mesh.receives);
+    mix(mesh.casts * 4 + mesh.receives * 2 + mesh.seen);
     mix(std::bit_cast<std::uintptr_t>(mesh.alpha_mask.get()));
+    mix(std::bit_cast<std::uintptr_t>(mesh.transmission.get()));
     mix(std::bit_cast<std::uintptr_t>(mesh.uv.data()));
     if (mesh.positions.empty()) continue;
     for (std::size_t k = 0; k < 4; ++k) {
@@ -108,7 +109,7 @@ SceneBuffers upload(const Scene& scene) {
   for (const Mesh& mesh : scene.meshes) {
     buffers.meshes.push_back({static_cast<std::uint32_t>(vertices), static_cast<std::uint32_t>(triangles),
                               static_cast<std::uint32_t>(mesh.triangles.size()), mesh.casts, mesh.receives,
-                              mesh.alpha_mask != nullptr});
+                              mesh.alpha_mask != nullptr, mesh.transmission != nullptr});
     vertices += mesh.positions.size();
     triangles += mesh.triangles.size();
   }
@@ -202,10 +203,11 @@ GBufferSlot& gbuffer_slot(const GBuffer& gbuffer, const Scene& scene) {
 
 GlLimits inputs_need(const Scene& scene, int width, int height) {
   GlLimits needed{.texture_size = std::max(width, height)};
-  if (scene.has_alpha_masks()) {
-    needed.fragment_storage_blocks = 1;
+  for (const std::size_t bytes : {mask_bytes(scene), transmission_bytes(scene)}) {
+    if (bytes == 0) continue;
+    needed.fragment_storage_blocks += 1;
     needed.storage_bindings = 8;
-    needed.storage_block_bytes = static_cast<std::int64_t>(mask_bytes(scene));
+    needed.storage_block_bytes = std::max(needed.storage_block_bytes, static_cast<std::int64_t>(bytes));
   }
   if (!scene.has_curved_shapes()) return needed;
   const GlLimits shapes{.fragment_storage_blocks = 1,
@@ -272,7 +274,7 @@ const DepthStencil& depth_stencil(const Scene& scene, const GBuffer& gbuffer, Tr
   std::vector<std::uint32_t> drawn, is_curved;
   for (std::uint32_t i = 0; i < scene.meshes.size(); ++i) {
     is_curved.push_back(scene.meshes[i].has_curved_shape());
-    if (!shows_shapes || !is_curved[i]) drawn.push_back(i);
+    if (scene.meshes[i].seen && (!shows_shapes || !is_curved[i])) drawn.push_back(i);
   }
   depth.upload_ms = drained_ms([&] {
     const StateGuard guard;

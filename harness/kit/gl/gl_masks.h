@@ -9,7 +9,9 @@ std::vector<const AlphaMask*> masks_in(const Scene& scene);
 inline constexpr std::size_t mask_facts_words = 8;
 /// Bytes of the alpha masks of a scene, as shaders read them.
 std::size_t mask_bytes(const Scene& scene);
-/// Adds the alpha masks of a scene and its places in them to its buffers. Nothing where no mesh has one.
+/// The same of its transmissions.
+std::size_t transmission_bytes(const Scene& scene);
+/// Adds the alpha masks and the transmissions of a scene and its places in them to its buffers. Nothing where no mesh has one.
 void upload_masks(const Scene& scene, SceneBuffers& buffers);
 
 }  // namespace gnomon

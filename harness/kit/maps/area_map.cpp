@@ -52,7 +52,7 @@ Support AreaMap::supports(const Scene& scene, const Light& light, const View&) c
   if (!has_area(light)) return Support::unsupported("the light has no area: its shadows are hard, see shadow_map");
   Light center = light;
   center.kind = PointLight{};
-  return alpha.limit(scene, light_map_support(center, resolution, margin(), 0));
+  return glass.limit(scene, alpha.limit(scene, light_map_support(center, resolution, margin(), 0)));
 }
 
 Program AreaMap::program(int which, std::string_view title, std::string_view first_line) const {
@@ -75,7 +75,8 @@ void AreaMap::setup() {
 
 void AreaMap::build(const Scene& scene) {
   made_->scene = &scene;
-  made_->depth_images.build(scene, alpha.rule());
+  made_->depth_images.build(scene, alpha.rule(), glass.as());
+  made_->glass_difference = {scene, glass.as()};
 }
 
 void AreaMap::relight(const Light& light) {
@@ -191,10 +192,11 @@ std::string_view AreaMap::alpha_cause(std::size_t index) const {
 }
 
 std::optional<Explanation> AreaMap::explain(std::size_t index) const {
-  const std::string_view cause = faces(index) ? alpha_cause(index) : "";
-  if (cause.empty()) return std::nullopt;
+  if (!faces(index)) return std::nullopt;
   Explanation why;
-  why.cause = cause;
+  why.cause = alpha_cause(index);
+  explain_glass(why, index);
+  if (why.cause.empty()) return std::nullopt;
   return why;
 }
 

@@ -67,7 +67,8 @@ void ComparedMap::setup() {
 
 void ComparedMap::build(const Scene& scene) {
   made_->scene = &scene;
-  made_->depth_images.build(scene, alpha.rule());
+  made_->depth_images.build(scene, alpha.rule(), glass.as());
+  made_->glass_difference = {scene, glass.as()};
 }
 
 void ComparedMap::relight(const Light& light) {
@@ -166,17 +167,19 @@ std::string_view ComparedMap::alpha_cause(std::size_t index) const {
   if (rule == AlphaRule::texel) return "";
   start_questions();
   const auto draw_by_texel = [&](Depths& by_texel) { draw(by_texel, {}); };
-  return AlphaDifference::cause(made_->alpha_difference, rule, has_area(light_), index, depths_, draw_by_texel,
-                                [&](const Depths& one) { return answer(one); });
+  return AlphaDifference::cause(made_->alpha_difference, rule, made_->glass_difference.has_glass(), index, depths_,
+                                draw_by_texel, [&](const Depths& one) { return answer(one); });
 }
 
 std::optional<Explanation> ComparedMap::explain(std::size_t index) const {
   if (!faces_light(*made_->scene, *gbuffer_, light_, index)) return Explanation();
-  const auto [image, texel] = looked_up(index);
-  if (!image) return Explanation();
-  Explanation why =
-      explain_comparison({camera_, *image, depths()}, comparison(), gbuffer_->position(index), gbuffer_->normal(index), texel);
-  why.cause = alpha_cause(index);
+  Explanation why;
+  if (const auto [image, texel] = looked_up(index); image) {
+    why = explain_comparison({camera_, *image, depths()}, comparison(), gbuffer_->position(index), gbuffer_->normal(index),
+                             texel);
+    why.cause = alpha_cause(index);
+  }
+  made_->glass_difference.explain(why, *gbuffer_, light_, index);
   return why;
 }
 

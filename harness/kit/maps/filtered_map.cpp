@@ -58,7 +58,7 @@ Support FilteredMap::supports(const Scene& scene, const Light& light, const View
   if (support) support = filter.supports(light, resolution);
   if (support && has_table() && has_16_bits())
     support = Support::unsupported("sums of a table need 32 bits: prefilter=table takes bits=32");
-  return alpha.limit(scene, support ? method_support() : support);
+  return glass.limit(scene, alpha.limit(scene, support ? method_support() : support));
 }
 
 GLenum FilteredMap::format() const {
@@ -97,7 +97,8 @@ void FilteredMap::setup() {
 
 void FilteredMap::build(const Scene& scene) {
   made_->scene = &scene;
-  made_->depth_images.build(scene, alpha.rule());
+  made_->depth_images.build(scene, alpha.rule(), glass.as());
+  made_->glass_difference = {scene, glass.as()};
 }
 
 void FilteredMap::relight(const Light& light) {
@@ -197,16 +198,13 @@ std::string_view FilteredMap::alpha_cause(std::size_t index) const {
   if (rule == AlphaRule::texel) return "";
   start_questions();
   const auto draw_by_texel = [&](Images& by_texel) { draw(by_texel, {}); };
-  return AlphaDifference::cause(made_->alpha_difference, rule, has_area(light_), index, images_, draw_by_texel,
-                                [&](const Images& one) { return answer(one); });
+  return AlphaDifference::cause(made_->alpha_difference, rule, made_->glass_difference.has_glass(), index, images_,
+                                draw_by_texel, [&](const Images& one) { return answer(one); });
 }
 
 /// The taps are the texels whose means were looked up, each with its weight.
-std::optional<Explanation> FilteredMap::explain(std::size_t index) const {
-  if (!faces_light(*made_->scene, *gbuffer_, light_, index)) return Explanation();
+Explanation FilteredMap::explain_look_up(std::size_t index, const LightImage& image) const {
   const glm::dvec3 point = gbuffer_->position(index);
-  const LightImage& image = camera_.images[camera_.space.face_of(point)];
-  if (image.layer < 0) return Explanation();  // nothing casts there
   const glm::dvec2 place = image.texel_of(image.place_of(point));
   const Camera camera(gbuffer_->view, gbuffer_->width, gbuffer_->height);
   const glm::dmat2 pixel = pixel_on_image(image, camera, point, gbuffer_->normal(index));
@@ -217,6 +215,15 @@ std::optional<Explanation> FilteredMap::explain(std::size_t index) const {
   for (const auto& [texel, weight] : used_prefilter().texels(place, pixel, resolution))
     why.taps.push_back(camera_.tap(image, depths(), texel, weight));
   why.cause = alpha_cause(index);
+  return why;
+}
+
+std::optional<Explanation> FilteredMap::explain(std::size_t index) const {
+  Explanation why;
+  if (!faces_light(*made_->scene, *gbuffer_, light_, index)) return why;
+  const LightImage& image = camera_.images[camera_.space.face_of(gbuffer_->position(index))];
+  if (image.layer >= 0) why = explain_look_up(index, image);  // else nothing casts there
+  made_->glass_difference.explain(why, *gbuffer_, light_, index);
   return why;
 }
 

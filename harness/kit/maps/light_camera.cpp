@@ -263,11 +263,12 @@ bool looks_through_cube(const Light& light) {
          (std::holds_alternative<SpotLight>(light.kind) && !narrow_spot(light));
 }
 
-MeshBoxes mesh_boxes(const Scene& scene) {
+MeshBoxes mesh_boxes(const Scene& scene, GlassAs glass) {
   MeshBoxes boxes{.meshes = {}, .extent = scene.bounds().extent()};
   const glm::vec3 slack(static_cast<float>(boxes.extent * 0x1p-20));
   for (const Mesh& mesh : scene.meshes) {
-    MeshBox box{.bounds = {}, .casts = mesh.casts, .receives = mesh.receives};
+    const bool is_left_out = mesh.transmission && glass == GlassAs::none;
+    MeshBox box{.bounds = {}, .casts = mesh.casts && !is_left_out, .receives = mesh.receives && mesh.seen};
     box.bounds.add(mesh.positions);
     box.bounds.min -= slack;
     box.bounds.max += slack;

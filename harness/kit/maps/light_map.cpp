@@ -31,9 +31,9 @@ void DepthImages::setup() {
   framebuffer_ = make_framebuffer();
 }
 
-void DepthImages::build(const Scene& scene, AlphaRule rule) {
+void DepthImages::build(const Scene& scene, AlphaRule rule, GlassAs glass) {
   scene_ = &scene;
-  boxes_ = mesh_boxes(scene);
+  boxes_ = mesh_boxes(scene, glass);
   solid_parts_ = solid_parts(scene);
   scene_buffers(scene);
   alpha_levels_ = {};

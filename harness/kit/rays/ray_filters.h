@@ -10,7 +10,7 @@ namespace gnomon {
 struct FilterContext {
   RTCIntersectContext embree = {};
   Receivers receivers = {};       ///< none: exact curved shapes let all through
-  const Scene* masked = nullptr;  ///< whose alpha masks count; null: all triangles are solid
+  const Scene* masked = nullptr;  ///< whose alpha masks and transmission count; null: all triangles are solid and opaque
   double scale = 1;               ///< of the world to the frame that is traced
 };
 
@@ -37,22 +37,42 @@ inline LaneRay lane_ray(RTCRayN* rays, unsigned count, unsigned lane) {
           RTCRayN_tfar(rays, count, lane)};
 }
 
-/// Lets rays through the holes of alpha masks.
-inline void exclude_holes(const RTCFilterFunctionNArguments* args) {
+/// Lets rays through the holes of alpha masks and through transmission; `crossed(lane, mesh, triangle)` is told of the latter.
+template <class Crossed>
+void exclude_holes(const RTCFilterFunctionNArguments* args, const Crossed& crossed) {
   const auto& context = *reinterpret_cast<const FilterContext*>(args->context);
   for (unsigned lane = 0; lane < args->N; ++lane) {
     if (args->valid[lane] == 0) continue;
-    const Mesh& mesh = context.masked->meshes[RTCHitN_geomID(args->hit, args->N, lane)];
-    if (!mesh.alpha_mask) continue;
-    const LaneRay ray = lane_ray(args->ray, args->N, lane);
-    if (!is_solid_along(mesh, RTCHitN_primID(args->hit, args->N, lane), ray.origin, ray.direction, context.scale))
-      args->valid[lane] = 0;
+    const std::uint32_t index = RTCHitN_geomID(args->hit, args->N, lane), triangle = RTCHitN_primID(args->hit, args->N, lane);
+    const Mesh& mesh = context.masked->meshes[index];
+    if (mesh.alpha_mask) {
+      const LaneRay ray = lane_ray(args->ray, args->N, lane);
+      if (!is_solid_along(mesh, triangle, ray.origin, ray.direction, context.scale)) args->valid[lane] = 0;
+    }
+    if (!mesh.transmission || args->valid[lane] == 0) continue;
+    crossed(RTCRayN_id(args->ray, args->N, lane), index, triangle);
+    args->valid[lane] = 0;
   }
+}
+
+inline void exclude_holes(const RTCFilterFunctionNArguments* args) {
+  exclude_holes(args, [](unsigned, std::uint32_t, std::uint32_t) {});
 }
 
 inline void exclude_receiver_and_holes(const RTCFilterFunctionNArguments* args) {
   exclude_receiver(args);
   exclude_holes(args);
+}
+
+/// What `collect_crossings` fills, by ray.
+struct CrossingsContext : FilterContext {
+  Crossings* crossings;
+};
+inline void collect_crossings(const RTCFilterFunctionNArguments* args) {
+  exclude_receiver(args);
+  const auto& context = static_cast<const CrossingsContext&>(*reinterpret_cast<const FilterContext*>(args->context));
+  exclude_holes(args,
+                [&](unsigned ray, std::uint32_t mesh, std::uint32_t triangle) { context.crossings[ray].add(mesh, triangle); });
 }
 
 /// A single ray, as it was before it was rounded for Embree.

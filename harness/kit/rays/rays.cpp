@@ -122,9 +122,10 @@ std::uint32_t trace(RTCScene scene, std::uint32_t valid, ShadowPacket& packet, F
 struct RayScene::Body {
   const Scene* source = nullptr;
   Truth truth = Truth::shape;
-  Which which = Which::all;
+  Which which = Which::seen;
   double scale = 1;                     ///< of the world to the frame that is traced
   bool has_masks = false;               ///< of a mesh that is traced
+  bool has_transmission = false;        ///< the same
   std::atomic<std::int64_t> bytes = 0;  ///< Embree counts them per device, so every RayScene has one of its own
   std::optional<std::int64_t> bytes_of_one_thread;
   RTCDevice device = nullptr;
@@ -133,7 +134,7 @@ struct RayScene::Body {
   std::once_flag is_joined;
   EdgeAdjacency adjacency;
   FilterContext context(const Receivers& receivers = {}) const {
-    return {.receivers = receivers, .masked = has_masks ? source : nullptr, .scale = scale};
+    return {.receivers = receivers, .masked = has_masks || has_transmission ? source : nullptr, .scale = scale};
   }
   ~Body() {
     rtcReleaseScene(scene);
@@ -153,7 +154,7 @@ RayScene::RayScene(const Scene& scene, Truth truth, Which which) : body_(std::ma
   rtcSetSceneFlags(body_->scene, static_cast<RTCSceneFlags>(RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION));
   for (std::uint32_t index = 0; index < scene.meshes.size(); ++index) {
     const Mesh& mesh = scene.meshes[index];
-    if (which == Which::casters && !mesh.casts) continue;
+    if (!(which == Which::casters ? mesh.casts : mesh.seen)) continue;
     RTCGeometry geometry;
     if (truth == Truth::shape && mesh.has_curved_shape()) {
       body_->shapes.push_back(std::make_unique<ShapeGeometry>(ShapeGeometry{scaled(*mesh.shape, body_->scale), index}));
@@ -166,6 +167,7 @@ RayScene::RayScene(const Scene& scene, Truth truth, Which which) : body_(std::ma
     } else {
       if (mesh.triangles.empty()) continue;
       body_->has_masks |= mesh.alpha_mask != nullptr;
+      body_->has_transmission |= mesh.transmission != nullptr;
       geometry = rtcNewGeometry(body_->device, RTC_GEOMETRY_TYPE_TRIANGLE);
       // Embree reads 16 bytes per vertex, so positions are copied into a buffer that it pads.
       auto* vertices = static_cast<glm::vec3*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
@@ -189,7 +191,7 @@ RayScene::Hit RayScene::closest(const glm::dvec3& origin, const glm::dvec3& dire
   if (body_->scale != 1 && !(extent(start) < too_far)) return {};
   RayContext context{body_->context(), start, direction};
   rtcInitIntersectContext(&context.embree);
-  if (context.masked) context.embree.filter = exclude_holes_of_one;
+  if (body_->has_masks) context.embree.filter = exclude_holes_of_one;
   RTCRayHit query{ray_to(start, direction, INFINITY), {}};
   query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
   rtcIntersect1(body_->scene, &context.embree, &query);
@@ -202,10 +204,12 @@ std::vector<RayScene::Met> RayScene::met(const glm::dvec3& origin, const glm::dv
   struct Search : FilterContext {
     std::vector<Met> found;
   } search;
+  search.masked = body_->context().masked;
   rtcInitIntersectContext(&search.embree);
   search.embree.filter = [](const RTCFilterFunctionNArguments* args) {
     const auto* hit = reinterpret_cast<const RTCHit*>(args->hit);  // one ray
-    static_cast<Search*>(reinterpret_cast<FilterContext*>(args->context))->found.push_back({hit->geomID, hit->primID});
+    auto& search = *static_cast<Search*>(reinterpret_cast<FilterContext*>(args->context));
+    if (!search.masked || !search.masked->meshes[hit->geomID].transmission) search.found.push_back({hit->geomID, hit->primID});
     args->valid[0] = 0;
   };
   const glm::dvec3 start = body_->scale * origin;
@@ -222,6 +226,14 @@ std::uint32_t RayScene::occluded(std::uint32_t valid, ShadowPacket& packet, cons
   return trace(body_->scene, valid, packet, context, context.masked ? exclude_receiver_and_holes : exclude_receiver);
 }
 
+std::uint32_t RayScene::crossed(std::uint32_t valid, ShadowPacket& packet, const Receivers& receivers,
+                                std::span<Crossings, ray_lanes> crossings) const {
+  if (body_->scale != 1 || is_short(valid, packet)) valid &= into_frame(packet, body_->scale);
+  for (Crossings& of_lane : crossings) of_lane.clear();
+  CrossingsContext context{body_->context(receivers), crossings.data()};
+  return trace(body_->scene, valid, packet, context, context.masked ? collect_crossings : exclude_receiver);
+}
+
 RayScene::Blocked RayScene::blocked(std::uint32_t valid, ShadowPacket& packet, const Receivers& receivers,
                                     double clearance) const {
   if (body_->scale != 1 || is_short(valid, packet)) valid &= into_frame(packet, body_->scale);
@@ -234,7 +246,8 @@ const EdgeAdjacency& RayScene::adjacency() const {
   std::call_once(body_->is_joined, [&] {
     Scene traced;
     traced.meshes = body_->source->meshes;
-    for (Mesh& mesh : traced.meshes) mesh.casts &= body_->truth == Truth::mesh || !mesh.has_curved_shape();
+    for (Mesh& mesh : traced.meshes)
+      mesh.casts &= !mesh.transmission && (body_->truth == Truth::mesh || !mesh.has_curved_shape());
     body_->adjacency = EdgeAdjacency(traced);
   });
   return body_->adjacency;
@@ -250,7 +263,9 @@ std::size_t RayScene::bytes() const {
   return static_cast<std::size_t>(*body_->bytes_of_one_thread);
 }
 
+const Scene& RayScene::scene() const { return *body_->source; }
 bool RayScene::has_alpha_masks() const { return body_->has_masks; }
+bool RayScene::has_transmission() const { return body_->has_transmission; }
 
 std::string RayScene::description() const {
   // The widest packet that Embree traces at once tells the instruction set it chose: 16 AVX-512, 8 AVX or AVX2, 4 SSE.

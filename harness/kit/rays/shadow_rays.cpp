@@ -1,3 +1,4 @@
+#include <gnomon/kit/geometry/box_tree.h>
 #include <gnomon/kit/parallel.h>
 #include <gnomon/kit/rays/rays.h>
 #include <gnomon/kit/vectorized.h>
@@ -89,6 +90,52 @@ struct PacketFiller {
   }
 };
 
+/// Whether a way comes near the box around a triangle. Embree reports now and then a triangle in whose plane the way lies, at
+/// any distance: its tests divide rounding by rounding there.
+bool is_near(const SegmentSlabs& way, const Triangle& triangle, double reach) {
+  Bounds box;
+  box.add(triangle.points);
+  return way.meets({{box.min.x, box.min.y, box.min.z}, {box.max.x, box.max.y, box.max.z}}, reach);
+}
+
+/// Sixteen pixels of a row of shadow rays.
+struct Group {
+  std::size_t first, count;
+  std::uint32_t valid;  ///< bit k: pixel first + k faces the light
+  Receivers receivers;
+};
+
+/// Calls answer(group, packet, visibility of sixteen pixels) for all groups of pixels, on all threads. Returns the number of
+/// rays.
+template <class Answer>
+std::size_t for_groups(const Scene& scene, const GBuffer& gbuffer, const Light& light, std::span<float> visibility,
+                       const Answer& make_answer) {
+  const PacketFiller filler{scene, gbuffer, light};
+  const std::size_t group_count = (gbuffer.size() + ray_lanes - 1) / ray_lanes;
+  std::atomic<std::size_t> ray_count = 0;
+  for_blocks(group_count, 16, [&](std::size_t begin, std::size_t end) {
+    auto answer = make_answer();
+    std::size_t rays = 0;
+    ShadowPacket packet;
+    std::uint32_t ids[2][ray_lanes] = {};
+    float answers[ray_lanes];
+    for (std::size_t index = begin; index < end; ++index) {
+      const std::size_t first = index * ray_lanes, count = std::min<std::size_t>(ray_lanes, gbuffer.size() - first);
+      Group group{first, count, filler.fill(first, packet), {&gbuffer.mesh[first], &gbuffer.triangle[first]}};
+      if (count < ray_lanes) {
+        std::copy_n(group.receivers.mesh, count, ids[0]);
+        std::copy_n(group.receivers.triangle, count, ids[1]);
+        group.receivers = {ids[0], ids[1]};
+      }
+      answer(group, packet, answers);
+      std::copy_n(answers, count, &visibility[first]);
+      rays += std::popcount(group.valid);
+    }
+    ray_count += rays;
+  });
+  return ray_count;
+}
+
 }  // namespace
 
 std::uint32_t fill_packet(const Scene& scene, const GBuffer& gbuffer, const Light& light, std::size_t first,
@@ -96,36 +143,48 @@ std::uint32_t fill_packet(const Scene& scene, const GBuffer& gbuffer, const Ligh
   return PacketFiller{scene, gbuffer, light}.fill(first, packet);
 }
 
-std::size_t trace_shadows(const RayScene& casters, const Scene& scene, const GBuffer& gbuffer, const Light& light,
-                          std::span<float> visibility) {
-  const PacketFiller filler{scene, gbuffer, light};
-  const std::size_t group_count = (gbuffer.size() + ray_lanes - 1) / ray_lanes;
-  std::atomic<std::size_t> ray_count = 0;
-  for_blocks(group_count, 16, [&](std::size_t begin, std::size_t end) {
-    std::size_t rays = 0;
-    ShadowPacket packet;
-    std::uint32_t ids[2][ray_lanes] = {};
-    float answer[ray_lanes];
-    for (std::size_t group = begin; group < end; ++group) {
-      const std::size_t first = group * ray_lanes, count = std::min<std::size_t>(ray_lanes, gbuffer.size() - first);
-      const std::uint32_t valid = filler.fill(first, packet);
-      std::uint32_t blocked = 0;
-      if (valid) {
-        Receivers receivers{&gbuffer.mesh[first], &gbuffer.triangle[first]};
-        if (count < ray_lanes) {
-          std::copy_n(receivers.mesh, count, ids[0]);
-          std::copy_n(receivers.triangle, count, ids[1]);
-          receivers = {ids[0], ids[1]};
-        }
-        blocked = casters.occluded(valid, packet, receivers);
-      }
-      unpack(blocked, answer);
-      std::copy_n(answer, count, &visibility[first]);
-      rays += std::popcount(valid);
-    }
-    ray_count += rays;
+std::size_t trace_opaque_shadows(const RayScene& casters, const Scene& scene, const GBuffer& gbuffer, const Light& light,
+                                 std::span<float> visibility) {
+  return for_groups(scene, gbuffer, light, visibility, [&] {
+    return [&](const Group& group, ShadowPacket& packet, float* answers) {
+      unpack(group.valid ? casters.occluded(group.valid, packet, group.receivers) : 0, answers);
+    };
   });
-  return ray_count;
+}
+
+std::size_t trace_shadows(const RayScene& casters, const Scene& scene, const GBuffer& gbuffer, const Light& light,
+                          std::span<float> visibility, std::span<std::uint8_t> surfaces) {
+  if (!casters.has_transmission()) return trace_opaque_shadows(casters, scene, gbuffer, light, visibility);
+  const glm::dvec4 l = homogeneous(light);
+  const double reach = 16 * 0x1p-24 * extent(scene, light, gbuffer.view);
+  const auto answer_group = [&](const Group& group, ShadowPacket& packet, float* answers,
+                                std::span<Crossings, ray_lanes> crossings) {
+    const std::uint32_t blocked = group.valid ? casters.crossed(group.valid, packet, group.receivers, crossings) : 0;
+    unpack(blocked, answers);
+    for (std::uint32_t left = group.valid; left; left &= left - 1) {
+      const int k = std::countr_zero(left);
+      const std::size_t i = group.first + k;
+      std::uint8_t crossed = blocked_surfaces;
+      if (!(blocked >> k & 1)) {
+        const Segment segment{gbuffer.position(i), l};
+        const SegmentSlabs slabs(segment);
+        const Crossings::Product product = crossings[k].product([&](std::uint32_t mesh, std::uint32_t triangle) {
+          return is_near(slabs, scene.meshes[mesh].corners(triangle), reach)
+                     ? transmission_at(scene.meshes[mesh], triangle, segment)
+                     : glm::vec3(1);
+        });
+        answers[k] = static_cast<float>(product.share.x);
+        crossed = static_cast<std::uint8_t>(std::min(product.surfaces, blocked_surfaces - 1));
+      }
+      if (!surfaces.empty()) surfaces[i] = crossed;
+    }
+  };
+  return for_groups(scene, gbuffer, light, visibility, [&] {
+    return
+        [&, crossings = std::array<Crossings, ray_lanes>()](const Group& group, ShadowPacket& packet, float* answers) mutable {
+          answer_group(group, packet, answers, crossings);
+        };
+  });
 }
 
 }  // namespace gnomon

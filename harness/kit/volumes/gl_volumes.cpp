@@ -55,7 +55,33 @@ void main() {
 }
 )";
 
+/// Where the count is in the stencil, that is read as a texture: no pixel then depends on a stencil test of its own.
+const std::string glass_fragment = std::string(gbuffer_snippet) + std::string(faces_light_snippet) + R"(
+layout(location = 0) out float share;
+layout(std430, binding = 0) readonly buffer Powers { float powers[]; };
+#ifdef WIDE
+layout(binding = 3) uniform sampler2D counts;
+#else
+layout(binding = 3) uniform usampler2D counts;
+#endif
+void main() {
+  int count = int(texelFetch(counts, ivec2(gl_FragCoord.xy), 0).r);
+  bool facing = faces_light(position_here(), normal_here());
+  share = facing ? powers[clamp(count, 0, powers.length() - 1)] : 1;
+}
+)";
+
 }  // namespace
+
+std::vector<float> powers_of(float transmission, std::size_t most) {
+  std::vector<float> powers{1};
+  double power = 1;
+  while (powers.size() <= most && powers.back() > 0) {
+    power *= transmission;
+    powers.push_back(static_cast<float>(power));
+  }
+  return powers;
+}
 
 VolumeProgram::VolumeProgram(std::string_view title, std::string_view vertex, bool own_mesh) {
   const auto make = [&](std::string_view what, std::string_view body) {
@@ -70,14 +96,17 @@ VolumeProgram::VolumeProgram(std::string_view title, std::string_view vertex, bo
 void VolumeCounter::setup() {
   mask_program_ = pass_program("mask of a stencil count", faces_light_constants, mask_fragment);
   wide_mask_program_ = pass_program("mask of a wide count", faces_light_constants, "#define WIDE\n" + mask_fragment);
+  glass_program_ = pass_program("glass of a stencil count", faces_light_constants, glass_fragment);
+  wide_glass_program_ = pass_program("glass of a wide count", faces_light_constants, "#define WIDE\n" + glass_fragment);
   framebuffer_ = make_framebuffer();
 }
 
 void VolumeCounter::begin(const DepthStencil& depth, const GBufferTextures& gbuffer, Pass pass, CountWhere where, int start) {
   pass_ = pass;
   where_ = where;
+  depth_stencil_ = depth.texture.name();
   const GLuint target = framebuffer_.name();
-  glNamedFramebufferTexture(target, GL_DEPTH_STENCIL_ATTACHMENT, depth.texture.name(), 0);
+  glNamedFramebufferTexture(target, GL_DEPTH_STENCIL_ATTACHMENT, depth_stencil_, 0);
   Texture* const gathered = pass == Pass::wide ? &wide_ : pass == Pass::layer ? &layer_ : nullptr;
   if (gathered) gathered->fit(pass == Pass::wide ? GL_RG32F : GL_RGBA32F, depth.texture.width, depth.texture.height);
   glNamedFramebufferTexture(target, GL_COLOR_ATTACHMENT0, gathered ? gathered->name() : 0, 0);
@@ -94,6 +123,7 @@ void VolumeCounter::begin(const DepthStencil& depth, const GBufferTextures& gbuf
     glDepthFunc(GL_GREATER);
   } else {
     const GLfloat first[] = {pass == Pass::wide ? static_cast<float>(start) : 0, 0, 0, 0};
+    glDisable(GL_STENCIL_TEST);  // that a mask before this pass was written by
     glClearNamedFramebufferfv(target, GL_COLOR, 0, first);
     glEnable(GL_BLEND);
     glBlendFunc(GL_ONE, GL_ONE);
@@ -147,6 +177,32 @@ void VolumeCounter::write_mask(const GBufferTextures& gbuffer, const Light& ligh
   bind_gbuffer(gbuffer);
   glUseProgram(program.name());
   draw_full_screen();
+  end();
+}
+
+void VolumeCounter::multiply_mask(const GBufferTextures& gbuffer, const Light& light, const Buffer& powers,
+                                  VisibilityMask& mask) {
+  const bool wide = pass_ == Pass::wide;
+  const GLuint target = framebuffer_.name();
+  // What is read is not attached.
+  glNamedFramebufferTexture(target, GL_DEPTH_STENCIL_ATTACHMENT, 0, 0);
+  glNamedFramebufferTexture(target, GL_COLOR_ATTACHMENT0, mask.texture(), 0);
+  glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+  glDisable(GL_DEPTH_TEST);
+  glDisable(GL_STENCIL_TEST);
+  glEnable(GL_BLEND);
+  glBlendFunc(GL_ZERO, GL_SRC_COLOR);
+  glBindTextureUnit(3, wide ? wide_.name() : depth_stencil_);
+  if (!wide) glTextureParameteri(depth_stencil_, GL_DEPTH_STENCIL_TEXTURE_MODE, GL_STENCIL_INDEX);
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, powers.name());
+  const Program& program = wide ? wide_glass_program_ : glass_program_;
+  set_light(program, light);
+  bind_gbuffer(gbuffer);
+  glUseProgram(program.name());
+  draw_full_screen();
+  if (!wide) glTextureParameteri(depth_stencil_, GL_DEPTH_STENCIL_TEXTURE_MODE, GL_DEPTH_COMPONENT);
+  glBindTextureUnit(3, 0);
+  glDisable(GL_BLEND);
   end();
 }
 

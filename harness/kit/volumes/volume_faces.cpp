@@ -313,9 +313,13 @@ void FaceDrawer::draw_light_caps(const VolumeCounter& counter, const VolumeProgr
   glDrawElementsIndirect(GL_TRIANGLES, GL_UNSIGNED_INT, at(offsetof(FaceCommands, reversed_caps)));
 }
 
-void FaceDrawer::draw_caps(const VolumeCounter& counter) const {
+void FaceDrawer::draw_light_caps(const VolumeCounter& counter) const {
   caps_.each([&](const Program& p) { p.set("clip_from_world", clip_from_world_); });
   draw_light_caps(counter, caps_);
+}
+
+void FaceDrawer::draw_caps(const VolumeCounter& counter) const {
+  draw_light_caps(counter);
   if (is_pointed_) return;
   draw_arrays(counter, fan_, VolumeFace::dark_cap, offsetof(FaceCommands, fan));
   draw_arrays(counter, far_triangles_, VolumeFace::dark_cap, offsetof(FaceCommands, far_triangles));

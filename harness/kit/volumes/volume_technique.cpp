@@ -33,7 +33,7 @@ std::vector<float> VolumeTechnique::draw_debug(std::string_view layer) const {
       made_->counter.end();
     }
   }
-  if (!wide_) made_->counter.drop_pictures();
+  if (!keeps_wide()) made_->counter.drop_pictures();
   return picture;
 }
 
@@ -48,13 +48,13 @@ VolumeCounter::Work VolumeTechnique::measure_work() const {
   draw(Pass::wide);
   const VolumeCounter::Work work = made_->counter.work();
   made_->counter.end();
-  if (!wide_) made_->counter.drop_pictures();
+  if (!keeps_wide()) made_->counter.drop_pictures();
   return work;
 }
 
-void VolumeTechnique::bind_faces(const Buffer& positions) const {
+void VolumeTechnique::bind_faces(const Buffer& positions, const FaceBuffers& faces) const {
   const glm::mat4 clip(clip_from_world(*gbuffer_, *made_->scene));
-  made_->drawer.bind(positions, faces_, clip, homogeneous(light_), ends());
+  made_->drawer.bind(positions, faces, clip, homogeneous(light_), ends());
 }
 
 }  // namespace gnomon

@@ -19,14 +19,14 @@ constexpr float edge_width = 1.5f;  ///< pixels
 /// Pixels explained at a time: hundreds of taps each are held in memory.
 constexpr std::size_t chunk = 4096;
 
-/// Of each start, whether the light's answer there is another one than the reference's for its pixel, joined over every
-/// `per_pixel` starts in a row: 1 where it is for any of them.
+/// Of each start, whether the light's answer there would be wrong for its pixel, joined over every `per_pixel` starts in a row:
+/// 1 where it is for any of them.
 std::vector<std::uint8_t> any_differs(const Attribution& a, const LightRays& rays, std::span<const LightRays::Start> starts,
                                       std::size_t per_pixel) {
-  const std::vector<std::uint8_t> lit = rays.lit(starts);
+  const std::vector<float> shares = rays.shares(starts);
   std::vector<std::uint8_t> differs(starts.size() / per_pixel, 0);
   for (std::size_t s = 0; s < starts.size(); ++s)
-    differs[s / per_pixel] |= (lit[s] != 0) != is_lit(a.reference.mask[starts[s].pixel]);
+    differs[s / per_pixel] |= is_wrong(shares[s], a.reference.mask[starts[s].pixel], a.reference.kind);
   return differs;
 }
 
@@ -74,8 +74,8 @@ std::vector<std::uint8_t> is_within_outline_error(const Attribution& a, const Li
 /// Causes of a technique without taps: by distance to the reference's edge and by size.
 void find_regions(const Attribution& a, const LightRays& rays, std::span<const std::uint32_t> pixels, std::span<Cause> causes) {
   const int width = a.gbuffer.width, height = a.gbuffer.height;
-  const std::vector<float> to_edge =
-      distance_transform(shadow_boundary(a.reference.mask, a.reference.classes, width, height), width, height);
+  const std::vector<float> to_edge = distance_transform(
+      shadow_boundary(a.reference.mask, a.reference.classes, width, height, a.reference.kind), width, height);
   const Cause at_edge = a.rasterizes ? Cause::edge_raster : Cause::edge;
   std::vector<std::uint32_t> candidates, far_away(a.mask.size(), 0);
   for (const std::uint32_t i : pixels) {
@@ -116,7 +116,7 @@ std::vector<Cause> find_causes(const Attribution& a) {
   std::vector<Cause> causes(a.mask.size(), Cause::none);
   std::vector<std::uint32_t> open;
   for (std::uint32_t i = 0; i < causes.size(); ++i) {
-    if (a.reference.classes[i] != PixelClass::T || !is_wrong(a.mask[i], a.reference.mask[i])) continue;
+    if (a.reference.classes[i] != PixelClass::T || !is_wrong(a.mask[i], a.reference.mask[i], a.reference.kind)) continue;
     causes[i] = a.found_without_technique(i);
     if (causes[i] == Cause::none) open.push_back(i);
   }

@@ -29,6 +29,7 @@ class PerfectMap {
                     .normal = a.gbuffer.normal(c.pixel),
                     .to_light = {},
                     .reach = 2 * std::numbers::sqrt2 * c.why->texel_width};
+      q.kind = a.reference.kind;
       q.to_light = rays.toward_light(q.point);
       if (c.why->shifted) q.shift = on_plane(q, *c.why->shifted, -rays.toward_light(*c.why->shifted)) - q.point;
       q.first_tap = block_.places.size();
@@ -39,10 +40,10 @@ class PerfectMap {
 
   void answer() {
     // What a perfect map sees through the taps, at the shifted look-up and where the point itself is.
-    block_.seen = block_.rays.lit(all_starts(false));
-    std::vector<std::uint8_t> unshifted = block_.seen;
+    block_.seen = block_.rays.shares(all_starts(false));
+    std::vector<float> unshifted = block_.seen;
     if (std::ranges::any_of(block_.questions, [](const TapQuestion& q) { return q.why->shifted.has_value(); }))
-      unshifted = block_.rays.lit(all_starts(true));
+      unshifted = block_.rays.shares(all_starts(true));
     for (std::size_t k = 0; k < block_.questions.size(); ++k) {
       const TapQuestion& q = block_.questions[k];
       const bool is_shifted = q.why->shifted.has_value();
@@ -59,13 +60,13 @@ class PerfectMap {
 
   /// The largest of the three terms that have the error's sign decides: what is stored, the moved look-up, the footprint.
   void answer_soft() {
-    block_.seen = block_.rays.lit(all_starts(false));
-    const std::vector<std::uint8_t> unshifted = block_.rays.lit(all_starts(true));
+    block_.seen = block_.rays.shares(all_starts(false));
+    const std::vector<float> unshifted = block_.rays.shares(all_starts(true));
     for (std::size_t k = 0; k < block_.questions.size(); ++k) {
       const TapQuestion& q = block_.questions[k];
       const Weights weights = all_weights(q);
-      const auto lit_share = [&](std::span<const std::uint8_t> lit) {
-        return lit_weight(weights, [&](std::size_t j) { return lit[q.first_tap + j] != 0; });
+      const auto lit_share = [&](std::span<const float> shares) {
+        return weighted(weights, [&](std::size_t j) { return shares[q.first_tap + j]; });
       };
       const double sign = q.is_dark ? -1 : 1, shifted = lit_share(block_.seen), ideal = lit_share(unshifted);
       const double stored = sign * (q.visibility - shifted), moved = sign * (shifted - ideal);
@@ -98,12 +99,11 @@ class PerfectMap {
 
   /// Weights of a question's taps, in their order; 0 leaves one out.
   using Weights = std::vector<double>;
-  /// The visibility that taps j of these weights make together where is_lit(j) says which are lit.
-  template <class IsLit>
-  static double lit_weight(const Weights& weights, const IsLit& is_lit) {
+  /// The visibility that taps j of these weights make together of what share(j) says of each.
+  template <class Share>
+  static double weighted(const Weights& weights, const Share& share) {
     double sum = 0;
-    for (std::size_t j = 0; j < weights.size(); ++j)
-      if (is_lit(j)) sum += weights[j];
+    for (std::size_t j = 0; j < weights.size(); ++j) sum += weights[j] * share(j);
     return sum;
   }
   static Weights all_weights(const TapQuestion& q) {
@@ -127,40 +127,45 @@ class PerfectMap {
   }
 
   /// A perfect map of the same texels errs here, too: is it the texels, or how many of them the filter takes?
-  Cause of_texels(const TapQuestion& q, std::span<const std::uint8_t> lit, bool unshifted) const {
-    return can_err(q, lit, unshifted, weights_at_point(q)) ? Cause::edge_resolution : Cause::filter_width;
+  Cause of_texels(const TapQuestion& q, std::span<const float> shares, bool unshifted) const {
+    return can_err(q, shares, unshifted, weights_at_point(q)) ? Cause::edge_resolution : Cause::filter_width;
   }
 
   /// Whether a perfect map with these taps would be on the technique's side too. Where it would not be, taps within the
   /// raster's tolerance of an edge may count for the other side: snapping vertices to a grid moves an edge by at most half its
   /// side in each coordinate, and four shifts of twice that across the ray meet every half-plane that such a move can.
-  bool can_err(const TapQuestion& q, std::span<const std::uint8_t> lit, bool unshifted, const Weights& weights) const {
-    const auto plain = [&](std::size_t j) { return lit[q.first_tap + j] != 0; };
-    if (q.is_on_technique_side(lit_weight(weights, plain))) return true;
+  bool can_err(const TapQuestion& q, std::span<const float> shares, bool unshifted, const Weights& weights) const {
+    const auto plain = [&](std::size_t j) { return shares[q.first_tap + j]; };
+    if (q.is_on_technique_side(weighted(weights, plain))) return true;
+    const float side = q.is_dark ? 0 : 1;  // where the technique's answer lies, as seen from the reference's
     std::vector<LightRays::Start> starts;
     std::vector<std::size_t> tap;
     for (std::size_t j = 0; j < q.tap_count(); ++j) {
-      if (plain(j) != q.is_dark || weights[j] == 0) continue;
+      if (plain(j) == side || weights[j] == 0) continue;
       for (const glm::dvec3& moved : block_.shaken(q, j)) {
         starts.push_back(start(q, moved, unshifted));
         tap.push_back(j);
       }
     }
-    const std::vector<std::uint8_t> answers = block_.rays.lit(starts);
-    std::vector<std::uint8_t> flips(q.tap_count(), 0);
-    for (std::size_t s = 0; s < starts.size(); ++s) flips[tap[s]] |= (answers[s] != 0) != q.is_dark;
+    const std::vector<float> answers = block_.rays.shares(starts);
+    std::vector<float> farthest(shares.begin() + static_cast<std::ptrdiff_t>(q.first_tap),
+                                shares.begin() + static_cast<std::ptrdiff_t>(q.first_tap + q.tap_count()));
+    for (std::size_t s = 0; s < starts.size(); ++s)
+      farthest[tap[s]] = q.is_dark ? std::min(farthest[tap[s]], answers[s]) : std::max(farthest[tap[s]], answers[s]);
     // A map is drawn from triangles: with those, a tap may be lit behind the rim of an exact shape.
     const auto lets_through = [&](const LightRays::Start& from) { return block_.rays.triangles_let_through(from); };
     for (std::size_t s = 0; s < starts.size(); s += 4)
-      if (const std::size_t j = tap[s]; !q.is_dark && !flips[j])
-        flips[j] = lets_through(start(q, block_.places[q.first_tap + j], unshifted)) ||
-                   std::any_of(&starts[s], &starts[s] + 4, lets_through);
+      if (const std::size_t j = tap[s]; !q.is_dark && farthest[j] < 1)
+        if (lets_through(start(q, block_.places[q.first_tap + j], unshifted)) ||
+            std::any_of(&starts[s], &starts[s] + 4, lets_through))
+          farthest[j] = 1;
     // Holes have corners, which four shifts may miss.
     for (std::size_t s = 0; s < starts.size(); s += 4)
-      if (const std::size_t j = tap[s]; !flips[j])
-        flips[j] = block_.rays.is_at_hole_border(start(q, block_.places[q.first_tap + j], unshifted),
-                                                 q.why->texel_width * block_.grid);
-    return q.is_on_technique_side(lit_weight(weights, [&](std::size_t j) { return plain(j) != (flips[j] != 0); }));
+      if (const std::size_t j = tap[s]; farthest[j] != side)
+        if (block_.rays.is_at_hole_border(start(q, block_.places[q.first_tap + j], unshifted),
+                                          q.why->texel_width * block_.grid))
+          farthest[j] = side;
+    return q.is_on_technique_side(weighted(weights, [&](std::size_t j) { return farthest[j]; }));
   }
 
   std::span<Cause> causes_;

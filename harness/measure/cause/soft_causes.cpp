@@ -100,16 +100,25 @@ class SoftCauses {
     if (const Cause cause = shapes_.of_grain(i); cause != Cause::none) return cause;
     if (is_horizon(i)) return Cause::horizon;
     if (is_fusion(i)) return Cause::caster_fusion;
-    const double v = a_.mask[i], share = truth_.share[i], slack = most_errors * truth_.error[i];
-    // In full light or umbra: would a light of four times the size see that much, or that little?
-    if (share <= slack || share >= 1 - slack) {
-      const std::optional<double> larger = seen_of_larger(a_, i);
-      if (larger && share <= slack && v > *larger + slack) return Cause::lost_umbra;
-      if (larger && share >= 1 - slack && v < *larger - slack) return Cause::region;
-    }
+    if (const Cause cause = beside_larger_light(i); cause != Cause::none) return cause;
     if (const Cause cause = shapes_.of_form(i); cause != Cause::none) return cause;
     if (!is_small && is_right_after_all(i)) return Cause::reference_error;
     return is_of_few_taps(i) ? Cause::noise : Cause::unexplained;
+  }
+
+  /// In full light or umbra, or where the whole light is dimmed: would a light of four times the size see that much, or that
+  /// little?
+  Cause beside_larger_light(std::uint32_t i) const {
+    const double v = a_.mask[i], share = truth_.share[i], slack = most_errors * truth_.error[i];
+    const bool is_umbra = share <= slack, is_full = share >= 1 - slack, is_dimmed = shapes_.is_dimmed(i);
+    if (!is_umbra && !is_full && !is_dimmed) return Cause::none;
+    const std::optional<double> larger = seen_of_larger(a_, i);
+    if (!larger) return Cause::none;
+    // A larger light sees more of the casters and more past them.
+    const auto [least, most] = is_dimmed ? std::minmax({*larger, share}) : std::pair(*larger, *larger);
+    if ((is_umbra || is_dimmed) && v > most + slack) return Cause::lost_umbra;
+    if ((is_full || is_dimmed) && v < least - slack) return Cause::region;
+    return Cause::none;
   }
 
   /// Whether a filter represents the light, and so many taps as it has, on independent places, may err by as much.

@@ -49,6 +49,9 @@ class PenumbraShapes {
  public:
   PenumbraShapes(const Attribution& attribution, const SoftTruth& truth);
 
+  /// Whether the scene has transmission, and the reference at pixel i of T may be one that is dimmed evenly: no value of a
+  /// penumbra.
+  bool is_dimmed(std::size_t i) const { return has_transmission_ && !is_between(truth_.share, i); }
   /// 1 in a shadow of 8 pixels or more of which the mask has less than a tenth.
   const std::vector<std::uint8_t>& missing() const { return missing_; }
   /// hard_shadow, banding or noise; else `none`.
@@ -58,6 +61,10 @@ class PenumbraShapes {
 
  private:
   double error(std::size_t j) const { return static_cast<double>(a_.mask[j]) - truth_.share[j]; }
+  /// 1 where these values are those of a penumbra: neither 0 nor 1, and in a scene with transmission is_between.
+  std::vector<std::uint8_t> find_penumbra(std::span<const float> values) const;
+  bool is_between(std::span<const float> values, std::size_t i) const;
+  std::pair<double, double> range_within(std::span<const float> values, std::size_t i, int reach) const;
   Cause form_within(std::size_t i, int reach) const;
   bool is_incoherent(std::size_t i) const;
   bool is_in_levels(std::size_t i) const;
@@ -68,6 +75,8 @@ class PenumbraShapes {
   const Attribution& a_;
   const SoftTruth& truth_;
   PixelWindows windows_;
+  const bool has_transmission_;
+  std::vector<std::uint8_t> is_soft_, is_own_soft_;   ///< 1 in the reference's penumbra and in the mask's
   std::vector<std::int32_t> nearest_;                 ///< pixel of the reference's penumbra nearest to each, -1 where none is
   std::vector<float> to_penumbra_, to_own_penumbra_;  ///< pixels, to the reference's and to the mask's
   std::vector<std::uint8_t> missing_;

@@ -36,20 +36,32 @@ Light four_times(Light light) {
   return light;
 }
 
-/// The meshes on the way from the point of pixel i.
-std::vector<std::uint32_t> meshes_between(const Attribution& a, std::size_t i, const glm::dvec3& way) {
+/// A mesh on the way to the light, and what part of the light it lets through: 0 where it is opaque.
+struct Between {
+  std::uint32_t mesh;
+  double passed;
+};
+
+/// The meshes on the way from the point of pixel i that keep light off.
+std::vector<Between> meshes_between(const Attribution& a, std::size_t i, const glm::dvec3& way) {
   constexpr int most_surfaces = 256;
   const glm::vec3 point = a.gbuffer.position(i);
   const glm::dvec3 origin = point + static_cast<float>(ray_offset(point)) * a.gbuffer.normal(i);
   const double step = 1e-6 + 4 * ray_offset(point) / glm::length(way);
-  std::vector<std::uint32_t> meshes;
+  std::vector<Between> meshes;
   double t = 0;
   for (int k = 0; k < most_surfaces; ++k) {
     const RayScene::Hit hit = a.casters.closest(origin + t * way, way);
     if (hit.mesh == no_mesh || t + hit.t >= 1 - step) break;
     const bool is_own = hit.mesh == a.gbuffer.mesh[i] && hit.triangle == a.gbuffer.triangle[i] && t == 0;
-    if (!is_own && std::ranges::find(meshes, hit.mesh) == meshes.end()) meshes.push_back(hit.mesh);
     t += hit.t + step;
+    const double passed = transmission_along(a.scene.meshes[hit.mesh], hit.triangle, origin, way).x;
+    if (is_own || passed == 1) continue;
+    const auto known = std::ranges::find(meshes, hit.mesh, &Between::mesh);
+    if (known == meshes.end())
+      meshes.push_back({hit.mesh, passed});
+    else
+      known->passed *= passed;
   }
   return meshes;
 }
@@ -74,21 +86,25 @@ CasterShares caster_shares(const Attribution& a, std::size_t i) {
   const LightFigure figure = figure_at(a, a.light, i);
   const LightFigure::Box& box = figure.box();
   const Scramble scramble(~std::uint64_t{i});
-  std::map<std::uint32_t, std::size_t> hidden;
-  std::size_t traced = 0, hidden_together = 0;
+  std::map<std::uint32_t, double> hidden;  // ways, one that lets a part of the light through counts as what it keeps off
+  std::size_t traced = 0;
+  double hidden_together = 0;
   for (std::uint32_t round = 0; round < rounds; ++round) {
     const Squares squares = scramble.of_first(round);
     for (std::size_t k = 0; k < squares.x.size(); ++k) {
       const glm::dvec2 place = box.low + glm::dvec2(squares.x[k], squares.y[k]) * (box.high - box.low);
       if (!figure.holds(place)) continue;
       ++traced;
-      const std::vector<std::uint32_t> meshes = meshes_between(a, i, figure.at(place));
-      hidden_together += !meshes.empty();
-      for (const std::uint32_t mesh : meshes) ++hidden[mesh];
+      double passed = 1;
+      for (const Between& between : meshes_between(a, i, figure.at(place))) {
+        hidden[between.mesh] += 1 - between.passed;
+        passed *= between.passed;
+      }
+      hidden_together += 1 - passed;
     }
   }
   CasterShares shares{.count = hidden.size()};
-  const auto left_by = [&](std::size_t count) { return 1 - static_cast<double>(count) / static_cast<double>(traced); };
+  const auto left_by = [&](double count) { return 1 - count / static_cast<double>(traced); };
   if (traced == 0) return shares;
   shares.together = left_by(hidden_together);
   for (const auto& [mesh, count] : hidden) {
@@ -103,13 +119,14 @@ std::optional<double> seen_of_larger(const Attribution& a, std::size_t i) {
   if (!figure.is_seen()) return std::nullopt;
   const FaceRays rays(a.casters, a.gbuffer, i, figure);
   const Scramble scramble(i);
-  int traced = 0, blocked = 0;
+  int traced = 0;
+  double hidden = 0;
   for (std::uint32_t round = 0; round < rounds; ++round) {
     const FaceHits hits = rays.ask(scramble.of_first(round));
     traced += std::popcount(hits.asked);
-    blocked += std::popcount(hits.blocked);
+    hidden += hits.hidden_count();
   }
-  return traced > 0 ? std::optional(1 - static_cast<double>(blocked) / traced) : std::nullopt;
+  return traced > 0 ? std::optional(1 - hidden / traced) : std::nullopt;
 }
 
 std::pair<double, double> traced_again(const Attribution& a, std::size_t i, double error) {

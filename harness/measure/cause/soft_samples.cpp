@@ -72,7 +72,7 @@ Answers trace_samples(const Attribution& a, std::uint32_t pixel, const Explanati
     const FaceHits hits = rays.ask(squares, above_horizon);
     for (std::size_t k = 0; k < some.size(); ++k) {
       const bool is_traced = hits.asked >> k & 1;
-      const double seen = is_traced ? 1.0 - (hits.blocked >> k & 1) : some[k].visibility;
+      const double seen = is_traced ? hits.seen(static_cast<int>(k)) : some[k].visibility;
       sums.weight += some[k].weight;
       sums.lit += some[k].weight * seen;
       if (!is_traced) continue;

@@ -15,23 +15,52 @@ constexpr double most_width = 64;  ///< pixels, of a penumbra
 }  // namespace
 
 PenumbraShapes::PenumbraShapes(const Attribution& a, const SoftTruth& truth)
-    : a_(a), truth_(truth), windows_(a.gbuffer.width, a.gbuffer.height, a.reference.classes, &a.gbuffer) {
+    : a_(a),
+      truth_(truth),
+      windows_(a.gbuffer.width, a.gbuffer.height, a.reference.classes, &a.gbuffer),
+      has_transmission_(a.casters.has_transmission()),
+      is_soft_(find_penumbra(truth.share)),
+      is_own_soft_(find_penumbra(a.mask)) {
   const int width = a.gbuffer.width, height = a.gbuffer.height;
-  std::vector<std::uint8_t> theirs(a.mask.size()), ours(a.mask.size());
-  for (std::size_t i = 0; i < a.mask.size(); ++i) {
-    if (a.reference.classes[i] <= PixelClass::F) continue;
-    theirs[i] = is_penumbra(truth.share[i]);
-    ours[i] = is_penumbra(a.mask[i]);
-  }
-  nearest_ = nearest_marked(theirs, width, height);
-  to_penumbra_ = distance_transform(theirs, width, height);
-  to_own_penumbra_ = distance_transform(ours, width, height);
+  nearest_ = nearest_marked(is_soft_, width, height);
+  to_penumbra_ = distance_transform(is_soft_, width, height);
+  to_own_penumbra_ = distance_transform(is_own_soft_, width, height);
   std::vector<std::uint32_t> shadowed(a.mask.size(), no_mesh);
-  for (std::size_t i = 0; i < shadowed.size(); ++i)
-    if (a.reference.classes[i] > PixelClass::F && truth.share[i] < 0.98f) shadowed[i] = a.gbuffer.mesh[i];
+  for (std::size_t i = 0; i < shadowed.size(); ++i) {
+    // Clear glass makes a shadow of less than a fiftieth.
+    const float lit = has_transmission_ ? std::max(0.98f, 1 - 4 * truth.error[i]) : 0.98f;
+    if (a.reference.classes[i] > PixelClass::F && truth.share[i] < lit) shadowed[i] = a.gbuffer.mesh[i];
+  }
   missing_ = missing_shadows(
       shadowed, width, height, [&](std::size_t i) { return 1 - truth.share[i]; }, [&](std::size_t i) { return 1 - a.mask[i]; });
   find_roughness();
+}
+
+std::vector<std::uint8_t> PenumbraShapes::find_penumbra(std::span<const float> values) const {
+  std::vector<std::uint8_t> is_soft(values.size());
+  for_blocks(values.size(), 1024, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i)
+      is_soft[i] =
+          a_.reference.classes[i] > PixelClass::F && is_penumbra(values[i]) && (!has_transmission_ || is_between(values, i));
+  });
+  return is_soft;
+}
+
+/// Whether there are both more and less light around. Neither side of a hard edge lies between, nor what is dimmed evenly.
+bool PenumbraShapes::is_between(std::span<const float> values, std::size_t i) const {
+  constexpr int reach = 3;
+  const auto [least, most] = range_within(values, i, reach);
+  return values[i] > least + truth_.error[i] && values[i] < most - truth_.error[i];
+}
+
+/// The least and the largest of the values around pixel i.
+std::pair<double, double> PenumbraShapes::range_within(std::span<const float> values, std::size_t i, int reach) const {
+  double least = values[i], most = values[i];
+  windows_.for_tested(i, reach, [&](std::size_t j) {
+    least = std::min<double>(least, values[j]);
+    most = std::max<double>(most, values[j]);
+  });
+  return {least, most};
 }
 
 double PenumbraShapes::width(std::size_t i) const {
@@ -43,8 +72,7 @@ double PenumbraShapes::width(std::size_t i) const {
 }
 
 Cause PenumbraShapes::of_grain(std::size_t i) const {
-  const bool is_extreme = !is_penumbra(a_.mask[i]);
-  if (is_extreme && is_penumbra(truth_.share[i]) && to_own_penumbra_[i] > std::max(2.0, width(i))) return Cause::hard_shadow;
+  if (!is_own_soft_[i] && is_soft_[i] && to_own_penumbra_[i] > std::max(2.0, width(i))) return Cause::hard_shadow;
   // Places that were drawn in another way err where the light is seen in part, and nowhere else.
   if (to_penumbra_[i] > 2) return Cause::none;
   if (is_incoherent(i)) return Cause::noise;
@@ -71,7 +99,7 @@ bool PenumbraShapes::is_in_levels(std::size_t i) const {
     const double step = static_cast<double>(a_.mask[j]) - a_.mask[i];
     if (step > 0) above = std::min(above, step);
     if (step < 0) below = std::min(below, -step);
-    if (!is_penumbra(a_.mask[j])) return;
+    if (!is_penumbra(a_.mask[j]) || (has_transmission_ && !is_soft_[j])) return;
     ++soft;
     flat += is_plateau(j);
   });
@@ -117,11 +145,15 @@ bool PenumbraShapes::is_incoherent(std::size_t i) const {
 /// Errors around the pixel on the side of light and on that of shadow: a penumbra in another place errs alike on both, one of
 /// another width the other way round.
 Cause PenumbraShapes::form_within(std::size_t i, int reach) const {
+  // Behind transmission the middle between light and shadow is not one half.
+  const auto [least, most] = has_transmission_ ? range_within(truth_.share, i, reach) : std::pair(0.0, 1.0);
+  const double middle = (least + most) / 2;
+  const auto is_light_side = [&](std::size_t j) { return truth_.share[j] > middle; };
   std::array<double, 2> sum{}, count{};
   double all = 0;
   windows_.for_tested(i, reach, [&](std::size_t j) {
-    if (error(j) == 0 && !is_penumbra(truth_.share[j])) return;
-    const int is_light = is_lit(truth_.share[j]);
+    if (error(j) == 0 && !is_soft_[j]) return;
+    const int is_light = is_light_side(j);
     sum[is_light] += error(j);
     all += std::abs(error(j));
     ++count[is_light];
@@ -129,7 +161,7 @@ Cause PenumbraShapes::form_within(std::size_t i, int reach) const {
   const auto mean = [&](int side) { return count[side] > 0 ? sum[side] / count[side] : 0; };
   const double moved = (mean(1) + mean(0)) / 2, widened = (mean(0) - mean(1)) / 2;
   const double own = error(i);
-  const bool fits_move = moved * own > 0, fits_width = widened * own * (is_lit(truth_.share[i]) ? -1 : 1) > 0;
+  const bool fits_move = moved * own > 0, fits_width = widened * own * (is_light_side(i) ? -1 : 1) > 0;
   // A small error amid larger ones belongs to them.
   const bool is_small = std::abs(own) < all / (count[0] + count[1]) / 2;
   if (!fits_move && !fits_width && !is_small) return Cause::none;

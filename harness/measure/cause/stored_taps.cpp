@@ -38,7 +38,7 @@ std::vector<std::size_t> StoredTaps::guilty(bool is_from_plane) const {
     if (weight <= 1e-6) break;  // masks are float32, and a pixel may have hundreds of taps
     weight -= q_.why->taps[j].weight;
     all.push_back(j);
-    if ((block_.seen[q_.first_tap + j] != 0) == q_.is_dark) result.push_back(j);
+    if ((block_.seen[q_.first_tap + j] > 0) == q_.is_dark) result.push_back(j);
   }
   return result.empty() ? all : result;
 }

@@ -16,8 +16,14 @@ struct TapQuestion {
   glm::dvec3 shift{0};                 ///< from the point to where the shifted look-up's ray cuts the tangent plane
   std::size_t first_tap = 0;           ///< in the block's flat list
 
-  /// One half is dark; sums of weights are of floats.
-  bool is_on_technique_side(double v) const { return (v > 0.5 + 1e-6) != is_dark; }
+  AnswerKind kind = AnswerKind::binary;
+
+  /// One half is dark; sums of weights are of floats. Behind transmission: nearer to the technique's answer than to the right
+  /// one.
+  bool is_on_technique_side(double v) const {
+    if (kind == AnswerKind::transmitted) return std::abs(v - visibility) < std::abs(v - reference);
+    return (v > 0.5 + 1e-6) != is_dark;
+  }
   std::size_t tap_count() const { return why->taps.size(); }
 };
 
@@ -27,7 +33,7 @@ struct TapBlock {
   double grid;  ///< of the raster, texels
   std::vector<TapQuestion> questions{};
   std::vector<glm::dvec3> places{};  ///< of all taps of all questions, on their tangent planes
-  std::vector<std::uint8_t> seen{};  ///< 1 where the reference sees the light from there
+  std::vector<float> seen{};         ///< what part of the light arrives there
 
   /// The place of tap j on the tangent plane with its ray moved by the grid's side and float32 rounding, four ways.
   std::array<glm::dvec3, 4> shaken(const TapQuestion& q, std::size_t j) const;

@@ -166,19 +166,49 @@ void judge_holes(Trial& trial, World& w, const GBuffer& gbuffer, const Light& li
                 found.first, gbuffer);
 }
 
-// Before it runs, so that a technique made before a feature is never silently wrong on a scene that has it.
-void features(Trial& trial) {
+/// An exact technique is off nowhere but by rounding, any other by less than a quarter of what no shadows are off by. What is
+/// approximate has said why.
+void judge_glass(Trial& trial, World& w, const GBuffer& gbuffer, const Light& light, const Technique& technique,
+                 const std::vector<float>& mask) {
+  constexpr double most_rounding = 1.0 / 1024;
+  if (trial.support(w.scene, light).kind() == Support::Kind::approximate) return;
+  const World::Truthful truth = w.reference(gbuffer, light, trial.entry().about.estimates);
+  double error = 0, unshadowed = 0;
+  for (std::size_t i = 0; i < mask.size(); ++i) {
+    if (truth.classes[i] != PixelClass::T) continue;
+    if (const auto why = technique.explain(i); why && !why->covered) continue;
+    const double off = std::abs(static_cast<double>(mask[i]) - truth.mask[i]);
+    error += off;
+    unshadowed += 1 - static_cast<double>(truth.mask[i]);
+    if (trial.entry().about.promise == Promise::exact && !has_area(light) && off > most_rounding)
+      return trial.found(fmt::format("the mask is {}, the reference {}", mask[i], truth.mask[i]), i, gbuffer);
+  }
+  trial.expect(unshadowed >= 50, fmt::format("shadows that it covers add up to {} pixels: too few to judge by", unshadowed));
+  trial.expect(error < unshadowed / 4,
+               fmt::format("the tested pixels are off by {:.1f} in all, by {:.1f} without shadows; less than a quarter may be",
+                           error, unshadowed));
+}
+
+/// A scene that has a feature, and what is expected of a technique that handles it.
+struct FeatureTrial {
+  Feature feature;
+  Scene (*scene)();
+  void (*judge)(Trial&, World&, const GBuffer&, const Light&, const Technique&, const std::vector<float>&);
+};
+constexpr FeatureTrial feature_trials[] = {{Feature::alpha_masks, checkered_card, judge_holes},
+                                           {Feature::transmission, glass_cards, judge_glass}};
+
+void one_feature(Trial& trial, const FeatureTrial& of) {
   const About& about = trial.entry().about;
-  trial.at("checkered_card");
-  const auto w = trial.world(checkered_card());
-  const bool handles_holes = std::ranges::find(about.handles, Feature::alpha_masks) != about.handles.end();
-  if (!handles_holes) {
+  const auto w = trial.world(of.scene());
+  trial.at(w->scene.name);
+  if (std::ranges::find(about.handles, of.feature) == about.handles.end()) {
     for (const Light& light : lights_of_all_kinds(w->scene)) {
       trial.at(light);
       const Support support = trial.support(w->scene, light);
-      trial.expect(
-          !support && support.why().find(name(Feature::alpha_masks)) != std::string::npos,
-          fmt::format("it does not handle alpha_masks, and its support is {} ('{}')", name(support.kind()), support.why()));
+      trial.expect(!support && support.why().find(name(of.feature)) != std::string::npos,
+                   fmt::format("it does not handle {}, and its support is {} ('{}')", name(of.feature), name(support.kind()),
+                               support.why()));
     }
     return;
   }
@@ -192,38 +222,46 @@ void features(Trial& trial) {
     const auto technique = trial.set_up();
     const std::vector<float> mask = trial.answer(*technique, w->scene, light, gbuffer);
     trial.expect_mask(mask, w->scene, gbuffer, light);
-    if (!is_sanitized && about.role != Role::baseline) judge_holes(trial, *w, gbuffer, light, *technique, mask);
+    if (!is_sanitized && about.role != Role::baseline) of.judge(trial, *w, gbuffer, light, *technique, mask);
   }
+}
+
+// Before it runs, so that a technique made before a feature is never silently wrong on a scene that has it.
+void features(Trial& trial) {
+  for (const FeatureTrial& of : feature_trials) one_feature(trial, of);
 }
 
 }  // namespace
 
 std::vector<Rule> about_rules() {
-  return {Rule("data_sheet", data_sheet, {},
-               "Its id is a plain name; title and source are there; summary, error and fails are sentences.",
-               "Fill in the About: a sentence begins with no small letter and ends with a period. The id is the stem of the "
-               "file."),
-          Rule("supports_a_light", supports_a_light, {}, "It supports at least one kind of light in each of two simple scenes.",
-               "Look at what supports() answers for a point light; one that refuses everything cannot be asked anything else."),
-          Rule("support_answered", support_answered, {.has_context = false},
-               "For every kind of light it answers whether it supports it: before anything runs, without OpenGL, and the same "
-               "each time. Everything but full support has a reason.",
-               "A fresh object is asked supports(): compute the answer from scene, light and view alone, and never from what a "
-               "stage has made. Give Support::unsupported and Support::approximate a reason."),
-          Rule("parameters_and_layers", parameters_and_layers, {},
-               "Every parameter and debug layer has a plain name of its own and a sentence. No layer is named mask, error or "
-               "shaded. Colors of legends lie in 0 .. 1. A fresh object has its defaults.",
-               "Mend the row of the parameter or the entry of debug_layers() that is named. Constructors set nothing."),
-          Rule("parameter_values", parameter_values, {},
-               "Parameters take every value that they allow and refuse others with what, which value and what is allowed.",
-               "Use Number, Choice and Flag of gnomon/param.h, which do so; a parameter of your own has to throw Error as they "
-               "do."),
-          Rule("features", features, {},
-               "A scene whose casters have holes is unsupported, unless About::handles lists alpha_masks. Then an exact "
-               "technique is wrong at no tested pixel of such a scene; a sampled one keeps its promise, or has less than a "
-               "quarter of the wrong pixels of a mask without shadows.",
-               "Look up every triangle that blocks a ray, or that is drawn, in its mask: is_solid_at "
-               "(gnomon/kit/geometry/holes.h) finds the texel. A technique that does not leaves handles empty.")};
+  return {
+      Rule("data_sheet", data_sheet, {},
+           "Its id is a plain name; title and source are there; summary, error and fails are sentences.",
+           "Fill in the About: a sentence begins with no small letter and ends with a period. The id is the stem of the "
+           "file."),
+      Rule("supports_a_light", supports_a_light, {}, "It supports at least one kind of light in each of two simple scenes.",
+           "Look at what supports() answers for a point light; one that refuses everything cannot be asked anything else."),
+      Rule("support_answered", support_answered, {.has_context = false},
+           "For every kind of light it answers whether it supports it: before anything runs, without OpenGL, and the same "
+           "each time. Everything but full support has a reason.",
+           "A fresh object is asked supports(): compute the answer from scene, light and view alone, and never from what a "
+           "stage has made. Give Support::unsupported and Support::approximate a reason."),
+      Rule("parameters_and_layers", parameters_and_layers, {},
+           "Every parameter and debug layer has a plain name of its own and a sentence. No layer is named mask, error or "
+           "shaded. Colors of legends lie in 0 .. 1. A fresh object has its defaults.",
+           "Mend the row of the parameter or the entry of debug_layers() that is named. Constructors set nothing."),
+      Rule("parameter_values", parameter_values, {},
+           "Parameters take every value that they allow and refuse others with what, which value and what is allowed.",
+           "Use Number, Choice and Flag of gnomon/param.h, which do so; a parameter of your own has to throw Error as they "
+           "do."),
+      Rule("features", features, {},
+           "A scene whose casters have holes is unsupported, unless About::handles lists alpha_masks; one whose casters let "
+           "a part of the light through, unless it lists transmission. Then an exact technique is wrong at no tested pixel "
+           "of such a scene; a sampled one keeps its promise, or has less than a quarter of the error of a mask without "
+           "shadows.",
+           "Look up every triangle that blocks a ray, or that is drawn, in its mask: is_solid_at "
+           "(gnomon/kit/geometry/holes.h) finds the texel, and transmission_at what it lets through; Crossings "
+           "(gnomon/kit/geometry/crossings.h) multiplies. A technique that does not leaves handles empty.")};
 }
 
 }  // namespace gnomon::conformance

@@ -36,7 +36,7 @@ void expect_causes(Trial& trial, std::span<const Cause> causes, const Reference&
                    const GBuffer& gbuffer) {
   std::size_t unexplained = 0, first = 0;
   for (std::size_t i = 0; i < causes.size(); ++i) {
-    const bool is_wrong = truth.classes[i] == PixelClass::T && gnomon::is_wrong(mask[i], truth.mask[i]);
+    const bool is_wrong = truth.classes[i] == PixelClass::T && gnomon::is_wrong(mask[i], truth.mask[i], truth.kind);
     if ((causes[i] != Cause::none) != is_wrong)
       return trial.found(is_wrong ? "it is wrong and has no cause" : "it is not wrong and has a cause", i, gbuffer);
     if (causes[i] == Cause::unexplained && unexplained++ == 0) first = i;

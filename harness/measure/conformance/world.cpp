@@ -21,25 +21,56 @@ Scene generated_scene(const std::string& reference) {
   return load_scene(reference);
 }
 
-Scene checkered_card() {
-  constexpr int side = 8;
-  std::vector<std::uint8_t> alpha;
-  for (int y = 0; y < side; ++y)
-    for (int x = 0; x < side; ++x) alpha.push_back((x + y) % 2 == 0 ? 255 : 0);
+namespace {
+
+constexpr int card_side = 8;  ///< texels
+
+/// A card over the middle of the ground, with places from 0 to 1 on it.
+Mesh card(const std::string& name) {
   Mesh card;
-  card.name = "card";
+  card.name = name;
   card.positions = {{-1.875f, 1.5f, -1.75f}, {-1.625f, 1.75f, 1.75f}, {1.875f, 1.625f, 1.5f}, {1.625f, 1.375f, -2}};
   card.triangles = {{0, 1, 2}, {0, 2, 3}};
   card.uv = {{0, 0}, {0, 1}, {1, 1}, {1, 0}};
-  card.alpha_mask = std::make_shared<const AlphaMask>(side, side, alpha);
-  finish(card);
+  return card;
+}
+
+Scene over_ground(const std::string& name, std::vector<Mesh> casters) {
   Scene scene;
-  scene.name = "checkered_card";
-  scene.meshes = {std::move(card), tessellate(ground_plane(6), 3, "ground")};
+  scene.name = name;
+  scene.meshes = std::move(casters);
+  for (Mesh& mesh : scene.meshes) finish(mesh);
+  scene.meshes.push_back(tessellate(ground_plane(6), 3, "ground"));
   scene.lights = {{.name = "point", .kind = PointLight{{0.7f, 8, 1.1f}}},
                   {.name = "sun", .kind = DirectionalLight{{-0.3f, -1, -0.2f}}}};
   scene.views = {{.name = "view", .eye = {1, 6, 7}, .target = {0, 0, 0}}};
   return scene;
+}
+
+}  // namespace
+
+Scene checkered_card() {
+  std::vector<std::uint8_t> alpha;
+  for (int y = 0; y < card_side; ++y)
+    for (int x = 0; x < card_side; ++x) alpha.push_back((x + y) % 2 == 0 ? 255 : 0);
+  Mesh checkered = card("card");
+  checkered.alpha_mask = std::make_shared<const AlphaMask>(card_side, card_side, alpha);
+  return over_ground("checkered_card", {std::move(checkered)});
+}
+
+Scene glass_cards() {
+  std::vector<float> checker;
+  for (int y = 0; y < card_side; ++y)
+    for (int x = 0; x < card_side; ++x) checker.push_back((x + y) % 2 == 0 ? 0.75f : 0.25f);
+  Mesh textured = card("textured"), plain = card("plain"), opaque = card("opaque");
+  textured.transmission = std::make_shared<const Transmission>(card_side, card_side, 1, checker);
+  plain.transmission = std::make_shared<const Transmission>(glm::vec3(0.5f));
+  textured.seen = plain.seen = false;
+  for (glm::vec3& p : plain.positions) p += glm::vec3(0.5f, 0.75f, 0.25f);
+  for (glm::vec3& p : opaque.positions) p = p * glm::vec3(0.25f, 1, 0.25f) + glm::vec3(0.25f, 0.375f, 0);
+  plain.uv.clear();
+  opaque.uv.clear();
+  return over_ground("glass_cards", {std::move(textured), std::move(plain), std::move(opaque)});
 }
 
 namespace {
@@ -68,7 +99,7 @@ FrameStore frames_of(const Scene& scene) {
 }
 
 World::World(Scene the_scene, Truth the_truth, int part)
-    : scene(std::move(the_scene)), truth(the_truth), part_(part), everything_(scene, truth, RayScene::Which::all) {}
+    : scene(std::move(the_scene)), truth(the_truth), part_(part), everything_(scene, truth, RayScene::Which::seen) {}
 
 GBuffer World::gbuffer(const View& view, int width, int height) const {
   return make_gbuffer(scene, everything_, view, width / part_, height / part_, truth);

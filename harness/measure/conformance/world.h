@@ -22,6 +22,9 @@ Scene generated_scene(const std::string& reference);
 /// A card whose alpha mask is a checker of 8 x 8 texels, over a ground: a scene that only techniques that handle alpha masks
 /// are asked about.
 Scene checkered_card();
+/// Two cards that let parts of the light through, one of 8 x 8 texels, and a small opaque one over a ground: a scene that only
+/// techniques that handle transmission are asked about.
+Scene glass_cards();
 
 /// The frames of a scene in the folder of references, see World.
 FrameStore frames_of(const Scene& scene);

@@ -3,8 +3,10 @@
 #include <gnomon/kit/geometry/across.h>
 #include <gnomon/kit/geometry/camera.h>
 
+#include <algorithm>
 #include <map>
 
+#include "measure/exchange/gltf_transmission.h"
 #include "measure/exchange/mask_png.h"
 #include "measure/scene/blob.h"
 #include "measure/scene/scene_json.h"
@@ -52,7 +54,7 @@ class GltfWriter {
     for (std::size_t n = 0; n < json_["nodes"].size(); ++n) roots.push_back(n);
     json_["scenes"].push_back(json_object({{"name", scene.name}, {"nodes", roots}}));
     if (!punctual_.empty()) {
-      json_["extensionsUsed"] = Json::array({"KHR_lights_punctual"});
+      use("KHR_lights_punctual");
       json_["extensions"]["KHR_lights_punctual"]["lights"] = punctual_;
     }
     for (const char* list : {"meshes", "materials", "accessors", "bufferViews", "cameras"})
@@ -91,33 +93,62 @@ class GltfWriter {
     return json_[list].size() - 1;
   }
 
-  /// The texture whose alpha is a mask's bits; meshes that share a mask share it.
-  std::size_t texture_of(const AlphaMask& mask) {
-    if (const auto known = textures_.find(&mask); known != textures_.end()) return known->second;
-    const std::size_t view = add_bytes(mask_png(mask));
-    bytes_.resize((bytes_.size() + 3) / 4 * 4);  // numbers that follow begin at a multiple of 4
-    const std::size_t image = append("images", json_object({{"bufferView", view}, {"mimeType", "image/png"}}));
-    const std::size_t sampler = append("samplers", json_object({{"magFilter", nearest_filter},
-                                                                {"minFilter", nearest_filter},
-                                                                {"wrapS", wrap_number(mask.wrap_u())},
-                                                                {"wrapT", wrap_number(mask.wrap_v())}}));
-    return textures_[&mask] = append("textures", json_object({{"source", image}, {"sampler", sampler}}));
+  void use(const char* extension) {
+    Json& used = json_["extensionsUsed"];
+    if (!used.is_array()) used = Json::array();
+    if (std::ranges::find(used, Json(extension)) == used.end()) used.push_back(extension);
   }
 
-  /// Texture and places for a mesh whose material is the last one.
-  void add_mask(const Mesh& mesh, Json& primitive) {
+  /// A texture of a PNG that is wrapped as `image` is: a mask or a transmission. Meshes that share that share it.
+  template <class Image>
+  std::size_t texture_of(const Image& image, const auto& png) {
+    if (const auto known = textures_.find(&image); known != textures_.end()) return known->second;
+    const std::size_t view = add_bytes(png());
+    bytes_.resize((bytes_.size() + 3) / 4 * 4);  // numbers that follow begin at a multiple of 4
+    const std::size_t source = append("images", json_object({{"bufferView", view}, {"mimeType", "image/png"}}));
+    const std::size_t sampler = append("samplers", json_object({{"magFilter", nearest_filter},
+                                                                {"minFilter", nearest_filter},
+                                                                {"wrapS", wrap_number(image.wrap_u())},
+                                                                {"wrapT", wrap_number(image.wrap_v())}}));
+    return textures_[&image] = append("textures", json_object({{"source", source}, {"sampler", sampler}}));
+  }
+
+  /// To a mesh whose material is the last one.
+  void add_mask(const Mesh& mesh) {
     Json& material = json_["materials"].back();
     material["alphaMode"] = "MASK";
     material["alphaCutoff"] = 0.5;
-    material["pbrMetallicRoughness"]["baseColorTexture"] = json_object({{"index", texture_of(*mesh.alpha_mask)}});
-    primitive["attributes"]["TEXCOORD_0"] =
-        add_accessor(add_numbers(std::as_bytes(std::span(mesh.uv)), vertex_target), float_type, mesh.uv.size(), "VEC2");
+    const AlphaMask& mask = *mesh.alpha_mask;
+    material["pbrMetallicRoughness"]["baseColorTexture"]["index"] = texture_of(mask, [&] { return mask_png(mask); });
+  }
+
+  /// The same. The color of the material is then that of the transmission; albedo and rounding are in `extras`.
+  void add_transmission(const Mesh& mesh, Json& extras) {
+    const Transmission& transmission = *mesh.transmission;
+    const GltfTransmission words = gltf_transmission(transmission);
+    if (mesh.alpha_mask && words.channels == 3)
+      throw Error("mesh '{}' has an alpha mask and a transmission of colored texels; glTF has one image for both", mesh.name);
+    use("KHR_materials_transmission");
+    Json& material = json_["materials"].back();
+    Json& color = material["pbrMetallicRoughness"]["baseColorFactor"];
+    color = number_json(words.color);
+    color.push_back(1);
+    Json& extension = material["extensions"]["KHR_materials_transmission"];
+    extension["transmissionFactor"] = number_json(words.factor);
+    extras["albedo"] = number_json(mesh.albedo);
+    if (words.channels == 0) return;
+    const std::size_t texture = texture_of(
+        transmission, [&] { return png_of(transmission.width(), transmission.height(), words.channels, words.bytes); });
+    (words.channels == 3 ? material["pbrMetallicRoughness"]["baseColorTexture"] : extension["transmissionTexture"])["index"] =
+        texture;
+    extras["transmission_rounding"] = words.rounding;
   }
 
   void add(const Mesh& mesh) {
     Json node = json_object({{"name", mesh.name}});
     node["extras"] = json_object(
         {{"casts", mesh.casts}, {"receives", mesh.receives}, {"shape", mesh.shape ? scene_json(*mesh.shape) : Json()}});
+    if (mesh.transmission || !mesh.seen) node["extras"]["seen"] = mesh.seen;
     if (!mesh.triangles.empty()) {
       Bounds bounds;
       bounds.add(mesh.positions);
@@ -135,7 +166,11 @@ class GltfWriter {
       Json primitive = json_object({{"attributes", json_object({{"POSITION", positions}})},
                                     {"indices", indices},
                                     {"material", json_["materials"].size() - 1}});
-      if (mesh.alpha_mask) add_mask(mesh, primitive);
+      if (mesh.alpha_mask) add_mask(mesh);
+      if (mesh.transmission) add_transmission(mesh, node["extras"]);
+      if (mesh.needs_uv())
+        primitive["attributes"]["TEXCOORD_0"] =
+            add_accessor(add_numbers(std::as_bytes(std::span(mesh.uv)), vertex_target), float_type, mesh.uv.size(), "VEC2");
       node["mesh"] = json_["meshes"].size();
       json_["meshes"].push_back(json_object({{"name", mesh.name}, {"primitives", Json::array({primitive})}}));
     }
@@ -181,7 +216,7 @@ class GltfWriter {
   const Scene& scene_;
   Json json_, punctual_ = Json::array();
   std::vector<std::byte> bytes_;
-  std::map<const AlphaMask*, std::size_t> textures_;
+  std::map<const void*, std::size_t> textures_;  ///< of masks and transmissions
 };
 
 }  // namespace

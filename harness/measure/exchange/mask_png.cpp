@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cassert>
 #include <string_view>
 
 namespace gnomon {
@@ -62,19 +63,21 @@ Bytes stored(std::span<const std::uint8_t> bytes) {
 
 }  // namespace
 
-std::vector<std::byte> mask_png(const AlphaMask& mask) {
+std::vector<std::byte> png_of(int width, int height, int channels, std::span<const std::uint8_t> texels) {
+  assert(channels >= 1 && channels <= 4 && texels.size() == std::size_t(width) * height * channels);
+  constexpr std::uint8_t kinds[] = {0, 4, 2, 6};  // gray, gray with alpha, color, color with alpha
   Bytes header;
-  put(header, static_cast<std::uint32_t>(mask.width()));
-  put(header, static_cast<std::uint32_t>(mask.height()));
-  for (const std::uint8_t fact : {8, 4, 0, 0, 0}) header.push_back(fact);  // bits, gray with alpha, no choice, not interlaced
+  put(header, static_cast<std::uint32_t>(width));
+  put(header, static_cast<std::uint32_t>(height));
+  for (const std::uint8_t fact : {std::uint8_t{8}, kinds[channels - 1], std::uint8_t{0}, std::uint8_t{0}, std::uint8_t{0}})
+    header.push_back(fact);  // bits, kind, no choice, not interlaced
   Bytes rows;
-  rows.reserve((2 * std::size_t(mask.width()) + 1) * mask.height());
-  for (int y = 0; y < mask.height(); ++y) {
+  const std::size_t row = std::size_t(width) * channels;
+  rows.reserve((row + 1) * height);
+  for (std::size_t y = 0; y < std::size_t(height); ++y) {
     rows.push_back(0);  // no filter
-    for (int x = 0; x < mask.width(); ++x) {
-      rows.push_back(255);
-      rows.push_back(mask.is_solid(x, y) ? 255 : 0);
-    }
+    const auto bytes = texels.subspan(y * row, row);
+    rows.insert(rows.end(), bytes.begin(), bytes.end());
   }
   Bytes png = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
   put_chunk(png, "IHDR", header);
@@ -82,6 +85,17 @@ std::vector<std::byte> mask_png(const AlphaMask& mask) {
   put_chunk(png, "IEND", {});
   const auto bytes = std::as_bytes(std::span(png));
   return {bytes.begin(), bytes.end()};
+}
+
+std::vector<std::byte> mask_png(const AlphaMask& mask) {
+  Bytes texels;
+  texels.reserve(2 * std::size_t(mask.width()) * mask.height());
+  for (int y = 0; y < mask.height(); ++y)
+    for (int x = 0; x < mask.width(); ++x) {
+      texels.push_back(255);
+      texels.push_back(mask.is_solid(x, y) ? 255 : 0);
+    }
+  return png_of(mask.width(), mask.height(), 2, texels);
 }
 
 }  // namespace gnomon

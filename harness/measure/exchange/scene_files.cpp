@@ -1,5 +1,7 @@
 #include "measure/exchange/scene_files.h"
 
+#include <algorithm>
+
 #include "measure/picture/picture.h"
 #include "measure/scene/scene_json.h"
 
@@ -14,6 +16,30 @@ std::map<const AlphaMask*, std::size_t> first_words(const Scene& scene) {
   for (const Mesh& mesh : scene.meshes)
     if (mesh.alpha_mask && first.try_emplace(mesh.alpha_mask.get(), words).second) words += mesh.alpha_mask->bits().size();
   return first;
+}
+
+/// The first number of each transmission of a scene in the array of all values, in the order of the meshes.
+std::map<const Transmission*, std::size_t> first_values(const Scene& scene) {
+  std::map<const Transmission*, std::size_t> first;
+  std::size_t values = 0;
+  for (const Mesh& mesh : scene.meshes)
+    if (mesh.transmission && first.try_emplace(mesh.transmission.get(), values).second)
+      values += mesh.transmission->values().size();
+  return first;
+}
+
+/// Whether the files say what lets light through, and what is seen.
+bool has_glass_or_unseen(const Scene& scene) {
+  return std::ranges::any_of(scene.meshes, [](const Mesh& mesh) { return mesh.transmission || !mesh.seen; });
+}
+
+Json transmission_json(const Transmission& transmission, std::size_t first_value) {
+  return json_object({{"first_value", first_value},
+                      {"width", transmission.width()},
+                      {"height", transmission.height()},
+                      {"channels", transmission.channels()},
+                      {"wrap_u", wrap_name(transmission.wrap_u())},
+                      {"wrap_v", wrap_name(transmission.wrap_v())}});
 }
 
 Json mask_json(const AlphaMask& mask, std::size_t first_word) {
@@ -31,8 +57,9 @@ Json scene_facts_json(const Scene& scene) {
   Json json = json_object({{"name", scene.name}, {"ambient", number_json(scene.ambient)}});
   for (const char* list : {"meshes", "lights", "views"}) json[list] = Json::array();
   std::size_t vertex = 0, triangle = 0;
-  const bool has_masks = scene.has_alpha_masks();
+  const bool has_masks = scene.has_alpha_masks(), is_of_glass = has_glass_or_unseen(scene);
   const auto words = first_words(scene);
+  const auto values = first_values(scene);
   for (const Mesh& mesh : scene.meshes) {
     json["meshes"].push_back(json_object({{"name", mesh.name},
                                           {"casts", mesh.casts},
@@ -46,6 +73,11 @@ Json scene_facts_json(const Scene& scene) {
     if (has_masks)
       json["meshes"].back()["alpha_mask"] =
           mesh.alpha_mask ? mask_json(*mesh.alpha_mask, words.at(mesh.alpha_mask.get())) : Json();
+    if (is_of_glass) {
+      json["meshes"].back()["transmission"] =
+          mesh.transmission ? transmission_json(*mesh.transmission, values.at(mesh.transmission.get())) : Json();
+      json["meshes"].back()["seen"] = mesh.seen;
+    }
     vertex += mesh.positions.size();
     triangle += mesh.triangles.size();
   }
@@ -62,11 +94,14 @@ SceneArrays::SceneArrays(const Scene& scene) {
     for (const glm::uvec3& corners : mesh.triangles) triangles_.push_back(corners + first);
     meshes_.insert(meshes_.end(), mesh.triangles.size(), m);
   }
-  if (!scene.has_alpha_masks()) return;
+  if (std::ranges::none_of(scene.meshes, [](const Mesh& mesh) { return mesh.alpha_mask || mesh.transmission; })) return;
   const auto words = first_words(scene);
+  const auto values = first_values(scene);
   for (const Mesh& mesh : scene.meshes) {
     uv_.insert(uv_.end(), mesh.uv.begin(), mesh.uv.end());
-    uv_.resize(uv_.size() + mesh.positions.size() - mesh.uv.size());  // of a mesh without a mask: zeros
+    uv_.resize(uv_.size() + mesh.positions.size() - mesh.uv.size());  // of a mesh without places: zeros
+    if (mesh.transmission && values.at(mesh.transmission.get()) == values_.size())
+      values_.insert(values_.end(), mesh.transmission->values().begin(), mesh.transmission->values().end());
     if (mesh.alpha_mask && words.at(mesh.alpha_mask.get()) == bits_.size())
       bits_.insert(bits_.end(), mesh.alpha_mask->bits().begin(), mesh.alpha_mask->bits().end());
   }
@@ -78,10 +113,11 @@ Arrays SceneArrays::arrays() const {
   Arrays arrays = {{"position", array_of<float>({positions_.size(), 3}, {floats})},
                    {"triangle", array_of<std::uint32_t>({triangles_.size(), 3}, {corners})},
                    {"mesh", array_of<std::uint32_t>({meshes_.size()}, {meshes_})}};
-  if (bits_.empty()) return arrays;
+  if (bits_.empty() && values_.empty()) return arrays;
   const auto places = std::span(reinterpret_cast<const float*>(uv_.data()), 2 * uv_.size());
   arrays.emplace("uv", array_of<float>({uv_.size(), 2}, {places}));
-  arrays.emplace("alpha_mask_bits", array_of<std::uint32_t>({bits_.size()}, {bits_}));
+  if (!bits_.empty()) arrays.emplace("alpha_mask_bits", array_of<std::uint32_t>({bits_.size()}, {bits_}));
+  if (!values_.empty()) arrays.emplace("transmission_values", array_of<float>({values_.size()}, {values_}));
   return arrays;
 }
 

@@ -221,37 +221,62 @@ void GltfMeshes::read_material(const Primitive& primitive, ImportedMesh& mesh) {
   mesh.color = factor.empty() ? glm::vec3(1) : glm::vec3(factor[0], factor[1], factor[2]);
   const char* const texture_key = glossy ? "diffuseTexture" : "baseColorTexture";
   mesh.has_texture = colors.contains(texture_key);
-  const std::string mode = file_.text(material, "alphaMode");
-  const double alpha = factor.empty() ? 1 : factor[3];
-  const bool blends = mode == "BLEND" ? alpha < 1 : mode == "MASK" && alpha < file_.number(material, where, "alphaCutoff", 0.5);
-  const Json* transmission = file_.extension_of(material, "KHR_materials_transmission");
-  mesh.is_transparent = blends || (transmission && file_.number(*transmission, where, "transmissionFactor", 0) > 0);
-  const Json* texture = object_in(colors, texture_key);
-  // What is wrong with a mask is said where it is used: a description may take the mesh for solid.
-  try {
-    if (mode == "MASK" && texture) mesh.mask = masks_.mask(material, where, *texture, alpha);
-    add_uv(primitive, texture, mesh);
-  } catch (const Error& error) {
-    mesh.uv.clear();
-    mesh.mask = masks_.broken(where, error.what());
-  }
+  const GltfColor color{factor.empty() ? glm::dvec4(1) : glm::dvec4(factor[0], factor[1], factor[2], factor[3]),
+                        object_in(colors, texture_key)};
+  read_textures(primitive, material, where, color, mesh);
 }
 
-/// The coordinates of the color's image, where a mask needs them or they are wanted; nothing where there are none.
+/// What is wrong with a mask or a transmission is said where it is used: a description may leave it out.
+void GltfMeshes::read_textures(const Primitive& primitive, const Json& material, const std::string& where,
+                               const GltfColor& color, ImportedMesh& mesh) {
+  const bool is_masked = file_.text(material, "alphaMode") == "MASK";
+  mesh.is_transparent = is_masked && color.factor.a < file_.number(material, where, "alphaCutoff", 0.5);
+  const auto attempt = [&](std::uint32_t& image, auto read) {
+    try {
+      read();
+    } catch (const Error& error) {
+      mesh.uv.clear();
+      image = textures_.broken(where, error.what());
+    }
+  };
+  const Json* places = nullptr;
+  attempt(mesh.mask.image, [&] {
+    if (is_masked && color.texture) mesh.mask = textures_.mask(material, where, color);
+    if (mesh.mask.has_image()) places = color.texture;
+  });
+  attempt(mesh.transmission.alpha_image, [&] { mesh.transmission = textures_.transmission(material, where, color, places); });
+  mesh.is_transparent |= mesh.transmission.is_there();
+  const bool is_glass = mesh.transmission.is_there() && !mesh.mask.has_image();
+  attempt(is_glass ? mesh.transmission.alpha_image : mesh.mask.image,
+          [&] { add_uv(primitive, places ? places : color.texture, mesh); });
+}
+
+/// The coordinates of a textureInfo, where a mask or a transmission needs them or they are wanted; nothing where there are
+/// none.
 void GltfMeshes::add_uv(const Primitive& primitive, const Json* texture, ImportedMesh& mesh) {
-  if (!mesh.mask.has_image() && !with_uv_) return;
+  if (mesh.mask.has_image() || mesh.transmission.is_there()) count_vertex_colors(primitive, mesh);
+  if (!mesh.mask.has_image() && !mesh.transmission.has_image() && !with_uv_) return;
   const GltfTextureMap map(file_, primitive.where, texture);
-  if (const auto accessor = attribute(primitive, map.attribute().c_str())) {
-    const Numbers numbers = file_.read(*accessor, 2);
-    if (numbers.count != mesh.positions.size())
-      throw Error("{}: {} has {} vertices and {} texture coordinates", file_.name(), primitive.where, mesh.positions.size(),
-                  numbers.count);
-    mesh.uv = map.uv(numbers);
+  const auto accessor = attribute(primitive, map.attribute().c_str());
+  if (!accessor) return;
+  const Numbers numbers = file_.read(*accessor, 2);
+  if (numbers.count != mesh.positions.size())
+    throw Error("{}: {} has {} vertices and {} texture coordinates", file_.name(), primitive.where, mesh.positions.size(),
+                numbers.count);
+  mesh.uv = map.uv(numbers);
+}
+
+void GltfMeshes::count_vertex_colors(const Primitive& primitive, const ImportedMesh& mesh) {
+  const auto colors = attribute(primitive, "COLOR_0");
+  if (!colors) return;
+  const bool has_alpha = file_.text(file_.item("accessors", *colors), "type") == "VEC4";
+  const bool is_masked = mesh.mask.has_image(), transmits = mesh.transmission.is_there();
+  if (!has_alpha && !transmits) return;
+  const Numbers numbers = file_.read(*colors, has_alpha ? 4 : 3);
+  for (std::size_t v = 0; v < numbers.count; ++v) {
+    vertex_alpha_ += is_masked && has_alpha && numbers.at(v, 3) != 1;
+    vertex_colors_ += transmits && (numbers.vector(v) != glm::dvec3(1) || (has_alpha && numbers.at(v, 3) != 1));
   }
-  const auto colors = mesh.mask.has_image() ? attribute(primitive, "COLOR_0") : std::nullopt;
-  if (!colors || file_.text(file_.item("accessors", *colors), "type") != "VEC4") return;
-  const Numbers numbers = file_.read(*colors, 4);
-  for (std::size_t v = 0; v < numbers.count; ++v) vertex_alpha_ += numbers.at(v, 3) != 1;
 }
 
 void GltfMeshes::note() {
@@ -259,7 +284,8 @@ void GltfMeshes::note() {
   answer_.note(without_positions_, "primitives have no positions and are left out");
   answer_.note(odd_weights_, "vertices have weights of joints whose sum is not 1, and are used as they are");
   answer_.note(vertex_alpha_, "vertices of masked meshes have a color with alpha, which is not used");
-  masks_.note();
+  answer_.note(vertex_colors_, "vertices of meshes that transmit light have a color, which is not used");
+  textures_.note();
 }
 
 }  // namespace gnomon::importing

@@ -16,14 +16,16 @@
 
 namespace gnomon::importing {
 
-/// An image whose alpha says where meshes are solid.
+/// An image whose alpha says where meshes are solid, or whose alpha or colors say what they let through.
 struct MaskImage {
   std::string name;            ///< its file, or the file and the place in it
   std::string bytes;           ///< as the file has them; none is left when it is decoded
   bool is_gray_alpha = false;  ///< whether brightness counts as alpha where there is no alpha channel
+  bool wants_colors = false;   ///< whether its colors are decoded, too
   std::int32_t width = 0, height = 0;
-  std::vector<std::uint8_t> alpha;  ///< of each texel, the top row first; none: the image has no alpha
-  std::string failure;              ///< why it could not be decoded
+  std::vector<std::uint8_t> alpha;   ///< of each texel, the top row first; none: the image has no alpha
+  std::vector<std::uint8_t> colors;  ///< red, green, blue of each texel, as the file has them; gray is three times the same
+  std::string failure;               ///< why it could not be decoded
 };
 /// How a material makes a mask of an image; see AlphaMask.
 struct ImportedMask {
@@ -33,11 +35,27 @@ struct ImportedMask {
   AlphaMask::Wrap wrap_u = AlphaMask::Wrap::repeat, wrap_v = AlphaMask::Wrap::repeat;
   bool has_image() const { return image != no_image; }
 };
+/// How a material lets light through. In each channel t = 1 - a + a * transmission * (1 - metallic) * color, in double, with
+/// a = alpha. Each number is a factor, multiplied by its image where there is one: by the image's alpha, its colors as sRGB,
+/// its red and its blue. All images share the places of the vertices.
+struct ImportedTransmission {
+  static constexpr std::uint32_t no_image = ImportedMask::no_image;
+  double alpha = 1, transmission = 0, metallic = 0;
+  glm::dvec3 color{1};
+  std::uint32_t alpha_image = no_image, color_image = no_image, transmission_image = no_image,
+                metallic_image = no_image;  ///< of MeshFile::mask_images
+  AlphaMask::Wrap wrap_u = AlphaMask::Wrap::repeat, wrap_v = AlphaMask::Wrap::repeat;
+  auto images() const { return std::array{alpha_image, color_image, transmission_image, metallic_image}; }
+  bool has_image() const { return images() != std::array{no_image, no_image, no_image, no_image}; }
+  /// Whether it may let light through.
+  bool is_there() const { return has_image() || alpha != 1 || transmission != 0; }
+};
 /// What is used of a material.
 struct ImportedMaterial {
   bool has_color = false, has_texture = false, is_transparent = false;
   glm::vec3 color{0};  ///< diffuse, when has_color
   ImportedMask mask;
+  ImportedTransmission transmission;
 };
 /// A mesh with its material, and its places: one for each node that has it.
 struct ImportedMesh : ImportedMaterial {
@@ -82,14 +100,14 @@ struct MeshFile {
 void visit_file(auto& io, auto& file) {
   io.list(file.meshes, [](auto& sub, auto& mesh) {
     sub(mesh.name, mesh.places, mesh.has_color, mesh.has_texture, mesh.is_transparent, mesh.color, mesh.positions,
-        mesh.corner_counts, mesh.corners, mesh.mask, mesh.uv);
+        mesh.corner_counts, mesh.corners, mesh.mask, mesh.transmission, mesh.uv);
   });
   io.list(file.cameras, [](auto& sub, auto& camera) { sub(camera.name, camera.eye, camera.forward, camera.up, camera.fov_y); });
   io.list(file.lights, [](auto& sub, auto& light) {
     sub(light.name, light.kind, light.position, light.direction, light.inner, light.outer, light.intensity);
   });
   io.list(file.mask_images,
-          [](auto& sub, auto& image) { sub(image.name, image.width, image.height, image.alpha, image.failure); });
+          [](auto& sub, auto& image) { sub(image.name, image.width, image.height, image.alpha, image.colors, image.failure); });
   io.list(file.notes, [](auto& sub, auto& note) { sub(note); });
   io(file.failure);
 }
@@ -99,8 +117,8 @@ using ReadFile = std::function<std::string(const std::filesystem::path& file)>;
 
 /// Reads a mesh file with the reader of its format, which follows from its extension. Throws Error: file, line or element,
 /// which value, what is allowed. May crash on damaged files of the formats that have no reader of their own (see formats.cpp).
-/// Texture coordinates are read for meshes with a mask, and for all where `with_uv`, of the formats that have them. Images stay
-/// encoded.
+/// Texture coordinates are read for meshes with a mask or a textured transmission, and for all where `with_uv`, of the formats
+/// that have them. Images stay encoded.
 MeshFile read_mesh_file(const std::filesystem::path& file, const ReadFile& read, bool with_uv = false);
 /// Whether files of this name are read.
 bool has_mesh_format(const std::filesystem::path& file);

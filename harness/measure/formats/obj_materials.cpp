@@ -2,6 +2,7 @@
 #include "measure/formats/obj_materials.h"
 
 #include <algorithm>
+#include <charconv>
 
 #include "measure/formats/readers.h"
 
@@ -78,17 +79,36 @@ void ObjMaterials::read_library(const fs::path& file, MeshFile& answer) {
       material->color = glm::vec3(red);
       for (int k = 1; k < 3 && lines.words_left() > 0; ++k) material->color[k] = lines.real();
     } else if (word == "d" || word == "tr") {
-      std::string_view first = lines.word();
-      if (first == "-halo") first = lines.word();
-      const double value = first.empty() ? (word == "d" ? 1 : 0) : lines.number(first);
-      material->is_transparent |= word == "d" ? value < 1 : value > 0;
-      material->opacity = word == "d" ? value : 1 - value;
+      read_opacity(lines, word == "d", *material);
+    } else if (word == "tf") {
+      read_filter(lines, *material);
     } else if (word == "map_kd" || word == "map_d") {
       material->has_texture = true;
       if (word == "map_d") read_map(lines, *material);
     }
   }
   answer.note(spectral, "colors of materials are spectral or XYZ and not used");
+}
+
+/// d, or 1 - Tr, which the specification does not have: where a material has both, d counts.
+void ObjMaterials::read_opacity(TextLines& lines, bool is_dissolve, Material& material) {
+  std::string_view first = lines.word();
+  const bool has_halo = first == "-halo";
+  if (has_halo) first = lines.word();
+  const double value = first.empty() ? (is_dissolve ? 1 : 0) : lines.number(first);
+  if (!is_dissolve && material.has_opacity) return;
+  material.has_opacity |= is_dissolve;
+  material.has_halo = has_halo;
+  material.opacity = is_dissolve ? value : 1 - value;
+}
+
+/// Whether Tf is anything but 1 1 1.
+void ObjMaterials::read_filter(TextLines& lines, Material& material) {
+  for (std::string_view word = lines.word(); !word.empty(); word = lines.word()) {
+    double value = 0;
+    std::from_chars(word.data(), word.data() + word.size(), value);
+    material.has_filter |= value != 1;
+  }
 }
 
 /// Options, then a file whose name may contain blanks.
@@ -120,8 +140,14 @@ void ObjMaterials::apply(const std::string& name, ImportedMesh& mesh, MeshFile& 
     missing_.insert(name);
     return;
   }
-  if (!found->second.map.empty()) read_mask(name, found->second, answer);
-  static_cast<ImportedMaterial&>(mesh) = found->second;
+  Material& material = found->second;
+  material.transmission.alpha = material.opacity;
+  material.is_transparent = material.transmission.is_there();
+  if (!material.map.empty()) read_mask(name, material, answer);
+  if (material.is_transparent && material.has_halo) with_halo_.insert(name);
+  if (material.is_transparent && material.has_filter) with_filter_.insert(name);
+  if (material.is_transparent && material.mask.has_image()) masked_and_thin_.insert(name);
+  static_cast<ImportedMaterial&>(mesh) = material;
 }
 
 /// The image beside the library, else beside the OBJ.
@@ -137,7 +163,7 @@ void ObjMaterials::read_mask(const std::string& name, Material& material, MeshFi
   const auto [known, is_new] = images_.emplace(image, ImportedMask::no_image);
   if (is_new) known->second = add_image_file(answer, image, read_, true);
   const AlphaMask::Wrap wrap = material.is_clamped ? AlphaMask::Wrap::clamp : AlphaMask::Wrap::repeat;
-  material.mask = {.image = known->second, .factor = static_cast<float>(material.opacity), .wrap_u = wrap, .wrap_v = wrap};
+  material.mask = {.image = known->second, .wrap_u = wrap, .wrap_v = wrap};
   masked_.insert(name);
   if (material.has_more_options) with_more_options_.insert(name);
 }
@@ -152,6 +178,10 @@ void ObjMaterials::note(MeshFile& answer) const {
                 fmt::format("materials are in no library ('{}' is one); their color is not known", *missing_.begin()));
   answer.note(masked_.size(), "materials have a mask (map_d), and the format has no cutoff: an alpha of 0.5 or more is solid");
   answer.note(with_more_options_.size(), "materials have a mask with options that are not used (all but -clamp)");
+  answer.note(masked_and_thin_.size(), "materials have a mask (map_d) and d or Tr: what is solid of them transmits 1 - d");
+  answer.note(with_halo_.size(), "materials have d -halo, which is read as d: it does not depend on the direction");
+  answer.note(with_filter_.size(),
+              "materials have a filter (Tf), which is not used: d dissolves all colors alike, as the format says");
   if (!without_image_.empty())
     answer.note(
         without_image_.size(),

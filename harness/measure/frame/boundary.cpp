@@ -76,11 +76,13 @@ void find_nearest(std::span<const std::uint8_t> marked, int width, int height, c
 }  // namespace
 
 std::vector<std::uint8_t> shadow_boundary(std::span<const float> mask, std::span<const PixelClass> classes, int width,
-                                          int height) {
+                                          int height, AnswerKind kind) {
   std::vector<std::uint8_t> marked(mask.size(), 0);
+  const auto differ = [&](float a, float b) {
+    return kind == AnswerKind::transmitted ? is_wrong(a, b, kind) : is_lit(a) != is_lit(b);
+  };
   const auto mark = [&](std::size_t i, std::size_t j) {
-    if (is_lit(mask[i]) != is_lit(mask[j]) && classes[i] > PixelClass::F && classes[j] > PixelClass::F)
-      marked[i] = marked[j] = 1;
+    if (differ(mask[i], mask[j]) && classes[i] > PixelClass::F && classes[j] > PixelClass::F) marked[i] = marked[j] = 1;
   };
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) {

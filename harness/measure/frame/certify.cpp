@@ -21,14 +21,17 @@ struct Sample {
   bool disagrees = false;
 };
 
-/// Whether a pixel facing the light within `band` columns and rows has the other answer.
+/// Answers that differ by more than rounding to float32 does.
+constexpr float one_step = 0x1p-24f;
+
+/// Whether a pixel facing the light within `band` columns and rows has another answer.
 bool near_boundary(const std::vector<char>& facing, std::span<const float> reference, int width, int height, std::size_t i,
                    int band) {
   const int x = static_cast<int>(i % width), y = static_cast<int>(i / width);
   for (int v = std::max(0, y - band); v <= std::min(height - 1, y + band); ++v)
     for (int u = std::max(0, x - band); u <= std::min(width - 1, x + band); ++u) {
       const std::size_t j = static_cast<std::size_t>(v) * width + u;
-      if (facing[j] && is_lit(reference[j]) != is_lit(reference[i])) return true;
+      if (facing[j] && std::abs(reference[j] - reference[i]) > most_off_behind_glass) return true;
     }
   return false;
 }
@@ -142,8 +145,16 @@ Certificate certify(const Scene& scene, const Light& light, const GBuffer& gbuff
     for (std::size_t k = range.begin(); k < range.end(); ++k) {
       Sample& sample = samples[k];
       const Receiver receiver = receiver_at(scene, gbuffer, sample.pixel);
-      sample.answer = exact.occluded(receiver, l, tally);
-      sample.disagrees = sample.answer.blocked == is_lit(reference[sample.pixel]);
+      float share;
+      if (exact.has_transmission()) {
+        const ExactShare answer = exact.transmitted(receiver, l, tally);
+        share = static_cast<float>(answer.light.share.x);
+        sample.answer = {share == 0, answer.degenerate};
+      } else {
+        sample.answer = exact.occluded(receiver, l, tally);
+        share = sample.answer.blocked ? 0.0f : 1.0f;
+      }
+      sample.disagrees = std::abs(share - reference[sample.pixel]) > one_step;
       sample.margin = exact.edge_margin(receiver, l, sample.disagrees ? INFINITY : result.clearance_floor);
     }
     return tally;

@@ -80,6 +80,11 @@ SoftCertificate certify_soft(const Scene& scene, const Light& light, const GBuff
   if (!has_area(light)) throw Error("light {} is a {} light, it has no area", light.name, kind_name(light));
   if (gbuffer.truth == Truth::shape && scene.has_curved_shapes())
     throw Error("scene {} has exact curved shapes, only a G-buffer of mesh truth can be certified", scene.name);
+  if (scene.has_transmission())
+    throw Error(
+        "scene {} has casters that let a part of the light through (transmission), under light {} only opaque casters can be "
+        "certified",
+        scene.name, light.name);
   if (!features_of(scene).empty())
     throw Error("scene {} has casters with holes (alpha masks), under light {} only casters without can be certified",
                 scene.name, light.name);

@@ -41,7 +41,7 @@ struct SoftCertificate {
 };
 
 /// Certifies a reference under a light with area, on a G-buffer of mesh truth. Same inputs, same certificate. Throws Error on
-/// a light without area and on a G-buffer of exact curved shapes.
+/// a light without area, on a G-buffer of exact curved shapes, and on casters with holes or transmission.
 SoftCertificate certify_soft(const Scene& scene, const Light& light, const GBuffer& gbuffer, const Reference& reference,
                              const SoftCertifyOptions& options = {});
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "measure/frame/glass_doubt.h"
 #include "measure/frame/moved_rays.h"
 #include "measure/frame/ray_packets.h"
 
@@ -35,14 +36,15 @@ struct SnappedRays {
   const GBuffer& gbuffer;
   const Light& light;
   double most;  ///< pixels that a vertex is moved by
+  AnswerKind kind = answer_kind(scene, light);
   glm::dvec4 l = homogeneous(light);
   Camera camera{gbuffer.view, gbuffer.width, gbuffer.height};
 
   /// Bit k: pixel pixels[k] has another answer at some corner.
   std::uint32_t flips(std::span<const std::size_t> pixels, std::span<const float> reference) const {
     const int count = static_cast<int>(pixels.size());
-    std::uint32_t dark = 0, flipped = 0;
-    for (int k = 0; k < count; ++k) dark |= static_cast<std::uint32_t>(!is_lit(reference[pixels[k]])) << k;
+    std::uint32_t flipped = 0;
+    std::array<Crossings, ray_lanes> crossings;
     for (const glm::dvec2& corner : corners) {
       ShadowPacket packet{};
       std::uint32_t mesh[16] = {}, triangle[16] = {}, valid = 0;
@@ -60,7 +62,21 @@ struct SnappedRays {
         const glm::vec3 origin = point.position + static_cast<float>(ray_offset(point.position)) * point.normal;
         set_ray(packet, k, origin, glm::vec3(l) - static_cast<float>(l.w) * origin, end_of(l));
       }
-      if (valid) flipped |= (casters.occluded(valid, packet, {mesh, triangle}) ^ dark) & valid;
+      if (!valid) continue;
+      glm::dvec3 origin[16], way[16];
+      for (int k = 0; k < count; ++k) {
+        origin[k] = {packet.ox[k], packet.oy[k], packet.oz[k]};
+        way[k] = {packet.dx[k], packet.dy[k], packet.dz[k]};
+      }
+      const std::uint32_t blocked = casters.has_transmission() ? casters.crossed(valid, packet, {mesh, triangle}, crossings)
+                                                               : casters.occluded(valid, packet, {mesh, triangle});
+      for (int k = 0; k < count; ++k) {
+        const auto along = [&](std::uint32_t m, std::uint32_t t) {
+          return transmission_along(scene.meshes[m], t, origin[k], way[k]);
+        };
+        const float share = blocked >> k & 1 ? 0.0f : static_cast<float>(crossings[k].product(along).share.x);
+        if (valid >> k & 1 && is_wrong(share, reference[pixels[k]], kind)) flipped |= 1u << k;
+      }
     }
     return flipped;
   }
@@ -97,9 +113,16 @@ bool is_resolved(const Scene& scene, const Light& light, const View& view) {
 std::vector<PixelClass> classify(const Scene& scene, const RayScene& casters, const GBuffer& gbuffer, const Light& light,
                                  std::span<const float> reference, std::span<const std::uint8_t> silhouettes) {
   const glm::dvec4 l = homogeneous(light);
+  std::vector<float> by_opaque;
+  if (casters.has_transmission()) {
+    by_opaque.resize(gbuffer.size());
+    trace_opaque_shadows(casters, scene, gbuffer, light, by_opaque);
+    reference = by_opaque;
+  }
+  const double extent = gnomon::extent(scene, light, gbuffer.view);
+  const GlassDoubt glass(scene, l, extent);
   std::optional<MovedRays> moved;
-  if (is_resolved(scene, light, gbuffer.view))
-    moved.emplace(scene, casters, gbuffer, l, extent(scene, light, gbuffer.view), reference);
+  if (is_resolved(scene, light, gbuffer.view)) moved.emplace(scene, casters, gbuffer, l, extent, reference);
   std::vector<PixelClass> classes(gbuffer.size(), PixelClass::T);
   const auto class_of = [&](std::size_t i) {
     if (gbuffer.is_background(i)) return PixelClass::B;
@@ -111,8 +134,12 @@ std::vector<PixelClass> classify(const Scene& scene, const RayScene& casters, co
   const auto needs_rays = [&](std::size_t i, int, int) { return (classes[i] = class_of(i)) == PixelClass::T; };
   decide_in_packets(gbuffer.width, gbuffer.height, needs_rays, [&](std::span<const std::size_t> pixels) {
     const std::uint32_t unstable = moved ? moved->unstable(pixels) : ~0u;
+    const auto is_uncertain = [&](std::size_t k) {
+      if (unstable >> k & 1) return true;
+      return is_lit(reference[pixels[k]]) && glass.is_uncertain(receiver_at(scene, gbuffer, pixels[k]));
+    };
     for (std::size_t k = 0; k < pixels.size(); ++k)
-      if (unstable >> k & 1) classes[pixels[k]] = PixelClass::U;
+      if (is_uncertain(k)) classes[pixels[k]] = PixelClass::U;
   });
   return classes;
 }

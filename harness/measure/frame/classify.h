@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 
+#include "measure/answer_kind.h"
+
 namespace gnomon {
 
 /// First match decides; every class is reported, only T is scored in the headline. Classes depend on scene, light, view and
@@ -38,6 +40,13 @@ constexpr bool is_lit(float visibility) { return visibility > 0.5f; }
 /// lit. Against 0 and 1 that is what `is_lit` says.
 constexpr bool is_wrong(float visibility, float reference) {
   return is_lit(reference) ? reference - visibility >= 0.5f : visibility - reference > 0.5f;
+}
+/// Behind casters that let a part of the light through a pixel is wrong that is off by more than this: half of what one sheet
+/// takes is wrong, too.
+inline constexpr float most_off_behind_glass = 1.0f / 20;
+constexpr bool is_wrong(float visibility, float reference, AnswerKind kind) {
+  if (kind != AnswerKind::transmitted) return is_wrong(visibility, reference);
+  return visibility - reference > most_off_behind_glass || reference - visibility > most_off_behind_glass;
 }
 
 /// Whether float32 resolves a scene where it is: its longest side is at least 2^-12 of the largest coordinate of scene, finite

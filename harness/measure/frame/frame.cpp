@@ -11,8 +11,6 @@ namespace gnomon {
 
 namespace fs = std::filesystem;
 
-AnswerKind answer_kind(const Light& light) { return has_area(light) ? AnswerKind::fraction : AnswerKind::binary; }
-
 bool has_radiance(const Light& light) { return has_area(light); }
 
 namespace {
@@ -28,10 +26,12 @@ void append(std::vector<std::byte>& bytes, const Array&... arrays) {
     bytes.insert(bytes.end(), view.begin(), view.end());
 }
 
-/// Bytes of a pixel in the cache: six floats and two ids; a float, a mesh, a class and a flag, and of a light with area six
-/// floats and a number more.
-constexpr std::size_t gbuffer_pixel = 32, hard_pixel = 10, soft_pixel = 38;
-std::size_t reference_pixel(const Light& light) { return answer_kind(light) == AnswerKind::fraction ? soft_pixel : hard_pixel; }
+/// Bytes of a pixel in the cache: six floats and two ids; a float, a mesh, a class and a flag, behind transmission a count
+/// more, and of a light with area six floats and a number more.
+constexpr std::size_t gbuffer_pixel = 32, hard_pixel = 10, transmitted_pixel = 11, soft_pixel = 38;
+std::size_t reference_pixel(AnswerKind kind) {
+  return kind == AnswerKind::fraction ? soft_pixel : kind == AnswerKind::transmitted ? transmitted_pixel : hard_pixel;
+}
 
 /// Raised when trace_soft answers otherwise.
 constexpr int soft_version = 4;
@@ -50,9 +50,9 @@ std::size_t pixel_count(const FrameKey& key) { return static_cast<std::size_t>(k
 /// Bytes of a GlobalReference: of a pixel two floats a channel, then the number of rays.
 std::size_t global_size(const FrameKey& key) { return pixel_count(key) * 6 * sizeof(float) + sizeof(std::uint64_t); }
 
-std::size_t size_of(const MissingFrame& missing) {
+std::size_t size_of(const Scene& scene, const MissingFrame& missing) {
   if (missing.global_samples > 0) return global_size(missing.key);
-  return pixel_count(missing.key) * (missing.light ? reference_pixel(*missing.light) : gbuffer_pixel);
+  return pixel_count(missing.key) * (missing.light ? reference_pixel(answer_kind(scene, *missing.light)) : gbuffer_pixel);
 }
 
 std::vector<std::byte> gbuffer_bytes(const GBuffer& g) {
@@ -95,7 +95,7 @@ const std::string& FrameStore::scene_hash(const std::vector<std::string>& lights
 }
 
 fs::path FrameStore::find_or_make(const std::string& name, MissingFrame missing) {
-  const std::size_t size = size_of(missing);
+  const std::size_t size = size_of(scene_, missing);
   if (const fs::path file = files_.find(name, size + hash_size, ends_with_own_hash); !file.empty()) return file;
   if (missing.light) missing.gbuffer_file = gbuffer_file(missing.key);
   missing.scene_file = scene_file();
@@ -118,7 +118,7 @@ std::string FrameStore::hash(const FrameKey& key, const Light* light, const Area
       fmt::format("{} {} {} {} {} {}", file_layout, frame_version(), scene_hash_, key.width, key.height, name(key.truth));
   fingerprint.views = {key.view};
   if (light) {
-    const bool is_soft = answer_kind(*light) == AnswerKind::fraction;
+    const bool is_soft = has_area(*light);
     fingerprint.name +=
         is_soft ? fmt::format(" soft {} {} {}", soft_version, target.error, target.cap) : fmt::format(" {}", snapping_version);
     if (!is_soft && subpixel_bits != usual_subpixel_bits) fingerprint.name += fmt::format(" {} bits", subpixel_bits);
@@ -153,7 +153,8 @@ GBuffer copy_gbuffer(const fs::path& path, const FrameKey& key) { return gbuffer
 
 const RayScene& FrameTracer::rays(Truth truth, RayScene::Which which) {
   if (!scene_.has_curved_shapes()) truth = Truth::mesh;
-  if (std::ranges::all_of(scene_.meshes, &Mesh::casts)) which = RayScene::Which::casters;
+  const auto does_both = [](const Mesh& mesh) { return mesh.casts && mesh.seen; };
+  if (std::ranges::all_of(scene_.meshes, does_both)) which = RayScene::Which::casters;
   auto found = rays_.find({truth, which});
   if (found == rays_.end()) found = rays_.emplace(std::pair(truth, which), RayScene(scene_, truth, which)).first;
   return found->second;
@@ -164,7 +165,7 @@ std::vector<std::byte> FrameTracer::make(const MissingFrame& missing) {
   if (missing.light) {
     const GBuffer gbuffer = map_gbuffer(missing.gbuffer_file, key);
     if (missing.global_samples > 0) return global_reference(missing, gbuffer);
-    return answer_kind(*missing.light) == AnswerKind::fraction ? soft_reference(missing, gbuffer) : reference(missing, gbuffer);
+    return has_area(*missing.light) ? soft_reference(missing, gbuffer) : reference(missing, gbuffer);
   }
   return gbuffer_bytes(make_gbuffer(scene_, everything(key.truth), key.view, key.width, key.height, key.truth));
 }
@@ -182,11 +183,13 @@ std::vector<std::byte> FrameTracer::reference(const MissingFrame& missing, const
   const FrameKey& key = missing.key;
   const Light& light = *missing.light;
   std::vector<float> mask(g.size());
-  trace_shadows(casters(key.truth), scene_, g, light, mask);
+  std::vector<std::uint8_t> surfaces(answer_kind(scene_, light) == AnswerKind::transmitted ? g.size() : 0);
+  trace_shadows(casters(key.truth), scene_, g, light, mask, surfaces);
   const std::vector<PixelClass> classes = classify(scene_, casters(key.truth), g, light, mask, silhouettes(missing, g));
   std::vector<std::byte> bytes;
   append(bytes, mask, find_nearest_casters(scene_, casters(key.truth), g, light, mask), classes,
-         find_snapping(scene_, everything(key.truth), casters(key.truth), g, light, mask, classes, missing.subpixel_bits));
+         find_snapping(scene_, everything(key.truth), casters(key.truth), g, light, mask, classes, missing.subpixel_bits),
+         surfaces);
   return bytes;
 }
 
@@ -202,7 +205,7 @@ std::vector<std::byte> FrameTracer::soft_reference(const MissingFrame& missing, 
 }
 
 std::vector<std::byte> FrameTracer::global_reference(const MissingFrame& missing, const GBuffer& g) {
-  if (const auto why = endless_bounces(scene_)) throw Error("{}", *why);
+  if (const auto why = untraceable_light(scene_)) throw Error("{}", *why);
   if (!has_area(*missing.light) || missing.global_samples < ray_lanes)
     throw Error("all light of {} samples a pixel; {} or more of a light with area are wanted", missing.global_samples,
                 ray_lanes);
@@ -234,12 +237,13 @@ Reference FrameStore::reference(const FrameKey& key, const Light& light, const A
   const auto file = MappedFile::copy(find_or_make(name, frame));
   const std::size_t n = pixel_count(key);
   Slices slices{file->bytes()};
-  Reference r{.storage = file, .subpixel_bits = subpixel_bits, .kind = answer_kind(light)};
+  Reference r{.storage = file, .subpixel_bits = subpixel_bits, .kind = answer_kind(scene_, light)};
   slices(n, r.mask, r.nearest_caster);
   if (r.kind == AnswerKind::fraction)
     slices(n, r.irradiance, r.error, r.irradiance_error, r.half, r.irradiance_half, r.caster_distance, r.rays);
   slices(n, r.classes);
-  if (r.kind == AnswerKind::binary) slices(n, r.snapping);
+  if (r.kind != AnswerKind::fraction) slices(n, r.snapping);
+  if (r.kind == AnswerKind::transmitted) slices(n, r.surfaces);
   return r;
 }
 

@@ -12,8 +12,6 @@
 
 namespace gnomon {
 
-/// What kind of answer is true under one light.
-AnswerKind answer_kind(const Light& light);
 /// Whether the light has an area, and so a radiance that pictures of all light are made of.
 bool has_radiance(const Light& light);
 
@@ -27,6 +25,9 @@ struct Reference {
   /// 1 where the pixel is tested and a rasterizer's rounding of vertices may turn its answer over (see find_snapping), else 0.
   std::span<const std::uint8_t> snapping = {};
   int subpixel_bits = usual_subpixel_bits;  ///< of that rasterizer
+  /// Behind transmission, else empty: how many surfaces the pixel's way crosses that take a part of the light, at most 254;
+  /// blocked_surfaces where an opaque caster hides the light.
+  std::span<const std::uint8_t> surfaces = {};
   AnswerKind kind = AnswerKind::binary;
   /// Where the answer is a fraction, else empty: `mask` is the share of its area that is seen, `irradiance` that of the
   /// irradiance, each with its standard error, and by half of its rays (see SoftReference).
@@ -82,7 +83,7 @@ class FrameTracer final : public FrameMaker {
   /// All casters under a truth; built on first use.
   const RayScene& casters(Truth truth) { return rays(truth, RayScene::Which::casters); }
   /// All meshes under a truth; the same as the casters where all cast.
-  const RayScene& everything(Truth truth) { return rays(truth, RayScene::Which::all); }
+  const RayScene& everything(Truth truth) { return rays(truth, RayScene::Which::seen); }
 
  private:
   const RayScene& rays(Truth truth, RayScene::Which which);
@@ -115,8 +116,8 @@ class FrameStore {
   /// Under a light with area to the target. Throws Error as require_reference does.
   Reference reference(const FrameKey& key, const Light& light, const AreaTarget& target = {},
                       int subpixel_bits = usual_subpixel_bits);
-  /// Under a light with area, of so many light paths a pixel; all bounces count, so the scene must not be endless
-  /// (endless_bounces).
+  /// Under a light with area, of so many light paths a pixel; all bounces count, so that light must be traceable
+  /// (untraceable_light).
   GlobalReference global_reference(const FrameKey& key, const Light& light, int samples);
   /// As FrameTracer has them, in this process.
   const RayScene& casters(Truth truth) { return tracer_.casters(truth); }

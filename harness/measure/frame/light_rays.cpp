@@ -151,8 +151,9 @@ std::uint32_t LightRays::masked_mesh_at(const glm::dvec3& point, const glm::dvec
   return nearest.second;
 }
 
-std::vector<std::uint8_t> LightRays::lit(std::span<const Start> starts) const {
-  std::vector<std::uint8_t> answer(starts.size());
+std::vector<float> LightRays::shares(std::span<const Start> starts) const {
+  std::vector<float> answer(starts.size());
+  std::array<Crossings, ray_lanes> crossings;
   for (std::size_t first = 0; first < starts.size(); first += 16) {
     const std::size_t count = std::min<std::size_t>(16, starts.size() - first);
     ShadowPacket packet;
@@ -166,8 +167,14 @@ std::vector<std::uint8_t> LightRays::lit(std::span<const Start> starts) const {
       set_ray(packet, static_cast<int>(k), origin, to, end_of(light_), static_cast<float>(start.ignored / glm::length(to)));
     }
     const auto valid = static_cast<std::uint32_t>((1u << count) - 1);
-    const std::uint32_t blocked = casters_.occluded(valid, packet, {mesh, triangle});
-    for (std::size_t k = 0; k < count; ++k) answer[first + k] = !(blocked >> k & 1);
+    const Receivers receivers{mesh, triangle};
+    const std::uint32_t blocked = casters_.has_transmission() ? casters_.crossed(valid, packet, receivers, crossings)
+                                                              : casters_.occluded(valid, packet, receivers);
+    for (std::size_t k = 0; k < count; ++k) {
+      const glm::dvec3 point = starts[first + k].point, way = to_light(light_, point);
+      const auto along = [&](std::uint32_t m, std::uint32_t t) { return transmission_along(scene_.meshes[m], t, point, way); };
+      answer[first + k] = blocked >> k & 1 ? 0.0f : static_cast<float>(crossings[k].product(along).share.x);
+    }
   }
   return answer;
 }

@@ -39,8 +39,8 @@ class LightRays {
     glm::dvec3 point;
     double ignored;
   };
-  /// 1 where nothing blocks, else 0.
-  std::vector<std::uint8_t> lit(std::span<const Start> starts) const;
+  /// What part of the light arrives: 1 where nothing is on the way, 0 where something blocks.
+  std::vector<float> shares(std::span<const Start> starts) const;
 
   /// Whether the triangles of the scene leave the way from `start` to the light free where its exact shapes block it. Only the
   /// triangles of shapes on the way are tested.

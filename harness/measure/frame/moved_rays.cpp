@@ -39,7 +39,7 @@ std::vector<RayScene::Met> casters_near(const Scene& scene, Truth truth, const g
   std::vector<RayScene::Met> near;
   for (std::uint32_t m = 0; m < scene.meshes.size(); ++m) {
     const Mesh& mesh = scene.meshes[m];
-    if (!mesh.casts || (truth == Truth::shape && mesh.has_curved_shape())) continue;
+    if (!mesh.casts || mesh.transmission || (truth == Truth::shape && mesh.has_curved_shape())) continue;
     for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
       Bounds box;
       box.add(mesh.corners(t).points);

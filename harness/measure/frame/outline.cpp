@@ -49,7 +49,7 @@ Outline::Outline(const RayScene& casters, const glm::dvec4& light, double radius
   Mesh& bands = bands_.meshes.emplace_back();
   for (const std::vector<SilhouetteEdge>& edges : touched)
     for (const SilhouetteEdge& edge : edges) add_band(bands, place(edge.low), place(edge.high), light, radius);
-  if (!bands.triangles.empty()) rays_.emplace(bands_, Truth::mesh, RayScene::Which::all);
+  if (!bands.triangles.empty()) rays_.emplace(bands_, Truth::mesh, RayScene::Which::seen);
 }
 
 std::uint32_t Outline::met(std::uint32_t valid, ShadowPacket& packet) const {

@@ -19,20 +19,19 @@ class SoftPixel {
   const LightFigure& figure() const { return figure_; }
   SampledShares shares(const AreaTarget& target) const { return sample_shares(rays(figure_, {}, true), index_, target); }
 
-  /// Mean over the blocked ones of sixteen ways to the light; 0 where none is.
+  /// Mean over those of sixteen ways to the light that a caster keeps light off; 0 where none does.
   double caster_distance() const {
     const Squares squares = Scramble(~std::uint64_t{index_}).of_each(0);
     const LightFigure::Box& box = figure_.box();
-    const glm::dvec3 origin = point_ + static_cast<float>(area_ray_offset(point_)) * normal_;
     double sum = 0;
     int count = 0;
     for (std::size_t k = 0; k < squares.x.size(); ++k) {
       const glm::dvec2 place = box.low + glm::dvec2(squares.x[k], squares.y[k]) * (box.high - box.low);
       if (!figure_.holds(place)) continue;
       const glm::dvec3 way = figure_.at(place);
-      const RayScene::Hit hit = casters_.closest(origin, way);
-      if (hit.mesh == no_mesh || hit.t >= 1) continue;
-      sum += hit.t * glm::length(way);
+      const std::optional<double> t = first_caster(way);
+      if (!t) continue;
+      sum += *t * glm::length(way);
       ++count;
     }
     return count > 0 ? sum / count : 0;
@@ -76,6 +75,23 @@ class SoftPixel {
     int known_ = 0;
   };
 
+  /// Where the first caster on a way to the light is that keeps light off, in lengths of the way; nothing where none does.
+  std::optional<double> first_caster(const glm::dvec3& way) const {
+    constexpr int most_surfaces = 64;  // that let all light through
+    const glm::dvec3 origin = point_ + static_cast<float>(area_ray_offset(point_)) * normal_;
+    const double step = 1e-6 + 4 * ray_offset(point_) / glm::length(way);
+    double t = 0;
+    for (int k = 0; k < most_surfaces; ++k) {
+      const RayScene::Hit hit = casters_.closest(origin + t * way, way);
+      if (hit.mesh == no_mesh || t + hit.t >= 1) return std::nullopt;
+      t += hit.t;
+      const Mesh& mesh = scene_.meshes[hit.mesh];
+      if (!mesh.transmission || transmission_along(mesh, hit.triangle, origin, way) != glm::vec3(1)) return t;
+      t += step;
+    }
+    return std::nullopt;
+  }
+
   FaceRays rays(const LightFigure& figure, const glm::vec3& moved, bool is_lifted) const {
     const glm::vec3 lift = is_lifted || is_on_shape_ ? static_cast<float>(area_ray_offset(point_)) * normal_ : glm::vec3(0);
     return {casters_, point_ + moved + lift, lift, mesh_, gbuffer_.triangle[index_], figure};
@@ -96,20 +112,20 @@ class SoftPixel {
 
   /// The larger change of the two shares, from the same places.
   static double change(Rest& rest, const FaceRays& to, int rounds) {
-    double traced = 0, weight = 0, blocked = 0, blocked_weight = 0;
+    double traced = 0, weight = 0, more_seen = 0, more_weight = 0;
     for (int k = 0; k < rounds; ++k) {
       const Rest::Round& round = rest.find(k);
       const FaceHits &a = round.hits, b = to.ask(round.squares);
       traced += std::popcount(a.asked);
       for (std::uint32_t left = a.asked; left; left &= left - 1) weight += a.weight[std::countr_zero(left)];
-      for (std::uint32_t left = a.blocked ^ b.blocked; left; left &= left - 1) {
+      for (std::uint32_t left = (a.blocked ^ b.blocked) | a.dimmed | b.dimmed; left; left &= left - 1) {
         const int k = std::countr_zero(left);
-        const double sign = a.blocked >> k & 1 ? 1 : -1;
-        blocked += sign;
-        blocked_weight += sign * a.weight[k];
+        const double more = b.seen(k) - a.seen(k);
+        more_seen += more;
+        more_weight += more * a.weight[k];
       }
     }
-    return traced > 0 ? std::max(std::abs(blocked) / traced, std::abs(blocked_weight) / weight) : 0;
+    return traced > 0 ? std::max(std::abs(more_seen) / traced, std::abs(more_weight) / weight) : 0;
   }
 
   const Scene& scene_;

@@ -109,7 +109,8 @@ void from_json(const Json& json, Record& record) {
   if (r.own_causes.size() > most_own_causes) throw Error("own_causes is not an array of at most {}", most_own_causes);
   if (std::empty(r.lights)) throw Error("lights = [] is not an array of one light or more");
   for (const Record::LightFacts& light : r.lights)
-    if (light.answer == AnswerKind::received) throw Error("lights.answer = received is not one of binary, fraction");
+    if (light.answer == AnswerKind::received)
+      throw Error("lights.answer = received is not one of binary, fraction, transmitted");
   const AnswerKind wanted = &r.lights.front() == &r.lights.back() ? r.lights.front().answer : AnswerKind::received;
   if (r.answer != wanted) throw Error("answer = {} is not {}, that of its lights", name(r.answer), name(wanted));
   if (Record::LightFacts& first = r.lights.front(); std::size(r.lights) == 1) {

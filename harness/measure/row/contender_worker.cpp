@@ -113,7 +113,7 @@ void ContenderWorker::count_times_again(Record& record) {
 }
 
 std::optional<GlobalAnswer> ContenderWorker::global_answer() {
-  if (frame_.global_samples == 0 || endless_bounces(run_.scene)) return std::nullopt;
+  if (frame_.global_samples == 0 || untraceable_light(run_.scene)) return std::nullopt;
   GlobalAnswer sum;
   const std::vector<Light> lights = run_.lights(frame_);
   for (std::size_t k = 0; k < lights.size(); ++k) {

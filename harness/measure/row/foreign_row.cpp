@@ -109,7 +109,7 @@ ForeignRow foreign_row(const Scene& scene, const std::string& reference, FrameSt
   record.context["foreign"] = facts;
   describe_scene(record, scene);
   const Light* const lights[] = {&light};
-  describe_lights(record, lights);
+  describe_lights(record, scene, lights);
   tell_times(record, mask.told_ms);
   if (row.scored.whole) record.notes.push_back(fmt::format("{}: {}", called(record), row.scored.words()));
 

@@ -22,7 +22,7 @@ bool take_support(Record& record, const Support& support, const RowFrame& frame)
 
 /// Whether the mask is right at a pixel: where the answer is a fraction, within four standard errors of the reference.
 bool is_right(const Evidence& evidence, std::size_t i) {
-  if (evidence.kind == AnswerKind::binary) return !evidence.is_wrong(i);
+  if (evidence.reference_error.empty()) return !evidence.is_wrong(i);
   return std::abs(evidence.mask[i] - evidence.reference[i]) <= 4 * evidence.reference_error[i];
 }
 
@@ -139,7 +139,7 @@ class RowMeasurement {
 std::optional<MeasuredRow> measure(Record& record, SceneRun& run, ContenderWorker& worker, const RowFrame& first) {
   worker.note_gl(record);
   if (first.global_samples > 0)
-    if (const auto why = endless_bounces(run.scene)) record.notes.push_back(fmt::format("no radiosity_error: {}", *why));
+    if (const auto why = untraceable_light(run.scene)) record.notes.push_back(fmt::format("no radiosity_error: {}", *why));
   RowMeasurement measurement(record, run, worker, first.count());
   for (RowFrame frame = first; frame.number < first.count(); ++frame.number)
     if (!measurement.add(frame)) return std::nullopt;

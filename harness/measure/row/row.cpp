@@ -77,14 +77,14 @@ void describe_scene(Record& record, const Scene& scene) {
   record.notes = scene.notes;
 }
 
-void describe_lights(Record& record, std::span<const Light* const> lights) {
+void describe_lights(Record& record, const Scene& scene, std::span<const Light* const> lights) {
   std::vector<std::string> kinds;
   record.lights.clear();
   for (const Light* const light : lights) {
     Record::LightFacts& facts = record.lights.emplace_back();
     facts.name = light->name;
     facts.kind = kind_name(*light);
-    facts.answer = answer_kind(*light);
+    facts.answer = answer_kind(scene, *light);
     if (std::ranges::find(kinds, facts.kind) == kinds.end()) kinds.push_back(facts.kind);
   }
   record.light_kind = joined(kinds, "+");

@@ -43,7 +43,7 @@ Picture shade(const Scene& scene, const MeasuredRow& row);
 /// Sets the record's facts of the scene itself.
 void describe_scene(Record& record, const Scene& scene);
 /// Sets the names and kinds of a row's lights, and with them the kind of the row's answer. `light` stays.
-void describe_lights(Record& record, std::span<const Light* const> lights);
+void describe_lights(Record& record, const Scene& scene, std::span<const Light* const> lights);
 
 /// Writes the mask below `out` and names it in the record.
 void write_mask(Record& record, const MeasuredRow& measured, const std::filesystem::path& out);

@@ -27,7 +27,7 @@ Score score_of(const Evidence& evidence, const Scoring& scoring) {
               .cause_errors = {}};
   if (evidence.causes.empty()) return score;
   score.causes = count_causes(evidence.causes, evidence.own_causes);
-  if (evidence.kind != AnswerKind::binary) score.cause_errors = cause_errors(evidence);
+  if (has_cause_errors(evidence.kind)) score.cause_errors = cause_errors(evidence);
   return score;
 }
 
@@ -60,7 +60,7 @@ RowScore score(const MeasuredRow& row, const Scene& scene, const MeasuredRow* be
 
 std::optional<Record::ReferenceFacts> reference_facts(const Answer& answer, const AreaTarget& target) {
   const Reference& reference = answer.reference;
-  if (reference.kind == AnswerKind::binary) return std::nullopt;
+  if (reference.kind != AnswerKind::fraction) return std::nullopt;
   Record::ReferenceFacts facts{.estimates = answer.estimates, .target = target.error, .cap = target.cap};
   const std::span<const float> errors = answer.estimates == LightShareKind::area ? reference.error : reference.irradiance_error;
   std::size_t asked = 0;

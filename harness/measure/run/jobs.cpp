@@ -221,7 +221,7 @@ Record start_record(const Job& job, const Suite& suite, const Scene* scene, cons
     std::vector<const Light*> lights;
     for (const std::string& name : job.lights)
       if (const Light* const light = find_named(scene->lights, name)) lights.push_back(light);
-    describe_lights(record, lights);
+    describe_lights(record, *scene, lights);
     describe_scene(record, *scene);
   } else {
     for (const std::string& name : job.lights) record.lights.emplace_back().name = name;

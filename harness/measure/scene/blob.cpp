@@ -22,8 +22,9 @@ namespace gnomon {
 namespace {
 
 /// Scenes without alpha masks keep the layout that they had before there were masks, and so their hashes. A program that reads
-/// only that one refuses scenes with masks: it would take them for solid.
-constexpr std::uint32_t solid_layout = 2, masked_layout = 3;
+/// only that one refuses scenes with masks: it would take them for solid. The same is true of meshes that let light through or
+/// are not seen: scenes without them keep the layouts that they had.
+constexpr std::uint32_t solid_layout = 2, masked_layout = 3, glass_layout = 4;
 
 /// The layout up to the paths, for FieldWriter (const objects) and FieldReader alike.
 void visit_solid(auto& io, auto& scene) {
@@ -81,6 +82,17 @@ Masks masks_of(const Scene& scene) {
   return all;
 }
 
+/// Throws Error unless each vertex of a mesh has a sound place in a picture.
+void check_places(std::span<const glm::vec2> uv, std::uint32_t number, const Mesh& mesh) {
+  if (uv.size() != mesh.positions.size())
+    throw Error("scene bytes have {} uv for the {} vertices of mesh {} ({})", uv.size(), mesh.positions.size(), number,
+                mesh.name);
+  for (std::size_t v = 0; v < uv.size(); ++v)
+    if (!is_sound_uv(uv[v]))
+      throw Error("scene bytes have uv = ({}, {}), which is not within {} .. {}, for vertex {} of mesh {} ({})", uv[v].x,
+                  uv[v].y, -largest_uv, largest_uv, v, number, mesh.name);
+}
+
 void put_masks(Masks all, Scene& scene) {
   std::vector<std::shared_ptr<const AlphaMask>> masks;
   for (AlphaMask::Parts& parts : all.masks) masks.push_back(std::make_shared<const AlphaMask>(std::move(parts)));
@@ -91,17 +103,83 @@ void put_masks(Masks all, Scene& scene) {
     if (mesh.alpha_mask) throw Error("scene bytes have two alpha masks for mesh {} ({})", one.mesh, mesh.name);
     if (one.mask >= masks.size())
       throw Error("scene bytes have alpha mask {} of {} for mesh {} ({})", one.mask, masks.size(), one.mesh, mesh.name);
-    if (one.uv.size() != mesh.positions.size())
-      throw Error("scene bytes have {} uv for the {} vertices of mesh {} ({})", one.uv.size(), mesh.positions.size(), one.mesh,
-                  mesh.name);
-    for (std::size_t v = 0; v < one.uv.size(); ++v)
-      if (!is_sound_uv(one.uv[v]))
-        throw Error("scene bytes have uv = ({}, {}), which is not within {} .. {}, for vertex {} of mesh {} ({})", one.uv[v].x,
-                    one.uv[v].y, -largest_uv, largest_uv, v, one.mesh, mesh.name);
+    check_places(one.uv, one.mesh, mesh);
     if (mesh.has_curved_shape())
       throw Error("scene bytes have an alpha mask for mesh {} ({}), whose shape is curved", one.mesh, mesh.name);
     mesh.alpha_mask = masks[one.mask];
     mesh.uv = std::move(one.uv);
+  }
+}
+
+/// A transmission; Transmission itself has no empty state to read into.
+struct TransmissionParts {
+  std::int32_t width = 0, height = 0, channels = 0;
+  AlphaMask::Wrap wrap_u = AlphaMask::Wrap::repeat, wrap_v = AlphaMask::Wrap::repeat;
+  std::vector<float> values;
+};
+/// A mesh that lets light through: both by their indices. `uv` are with the alpha mask where it has one, too.
+struct Transmitting {
+  std::uint32_t mesh = 0, transmission = 0;
+  std::vector<glm::vec2> uv;
+};
+/// The transmissions of a scene, each once, in the order of the meshes that have them, and the meshes that are not seen.
+struct GlassParts {
+  std::vector<TransmissionParts> transmissions;
+  std::vector<Transmitting> meshes;
+  std::vector<std::uint32_t> unseen;
+  bool empty() const { return meshes.empty() && unseen.empty(); }
+};
+
+void visit_glass(auto& io, auto& all) {
+  io.list(all.transmissions,
+          [](auto& sub, auto& one) { sub(one.width, one.height, one.channels, one.wrap_u, one.wrap_v, one.values); });
+  io.list(all.meshes, [](auto& sub, auto& one) { sub(one.mesh, one.transmission, one.uv); });
+  io(all.unseen);
+}
+
+GlassParts glass_of(const Scene& scene) {
+  GlassParts all;
+  std::map<const Transmission*, std::uint32_t> known;  // never walked through, as above
+  for (std::uint32_t m = 0; m < scene.meshes.size(); ++m) {
+    const Mesh& mesh = scene.meshes[m];
+    if (!mesh.seen) all.unseen.push_back(m);
+    if (!mesh.transmission) continue;
+    const Transmission& one = *mesh.transmission;
+    const auto [found, is_new] = known.try_emplace(&one, static_cast<std::uint32_t>(all.transmissions.size()));
+    if (is_new)
+      all.transmissions.push_back(
+          {one.width(), one.height(), one.channels(), one.wrap_u(), one.wrap_v(), {one.values().begin(), one.values().end()}});
+    all.meshes.push_back({m, found->second, mesh.alpha_mask ? std::vector<glm::vec2>() : mesh.uv});
+  }
+  return all;
+}
+
+void put_glass(GlassParts all, Scene& scene) {
+  std::vector<std::shared_ptr<const Transmission>> transmissions;
+  for (TransmissionParts& one : all.transmissions)
+    transmissions.push_back(std::make_shared<const Transmission>(one.width, one.height, one.channels, std::move(one.values),
+                                                                 one.wrap_u, one.wrap_v));
+  for (Transmitting& one : all.meshes) {
+    if (one.mesh >= scene.meshes.size())
+      throw Error("scene bytes have a transmission for mesh {} of {}", one.mesh, scene.meshes.size());
+    Mesh& mesh = scene.meshes[one.mesh];
+    if (mesh.transmission) throw Error("scene bytes have two transmissions for mesh {} ({})", one.mesh, mesh.name);
+    if (one.transmission >= transmissions.size())
+      throw Error("scene bytes have transmission {} of {} for mesh {} ({})", one.transmission, transmissions.size(), one.mesh,
+                  mesh.name);
+    if (mesh.has_curved_shape())
+      throw Error("scene bytes have a transmission for mesh {} ({}), whose shape is curved", one.mesh, mesh.name);
+    if (mesh.alpha_mask && !one.uv.empty())
+      throw Error("scene bytes have uv for both mask and transmission of mesh {} ({})", one.mesh, mesh.name);
+    mesh.transmission = transmissions[one.transmission];
+    if (mesh.alpha_mask) continue;
+    if (mesh.needs_uv() || !one.uv.empty()) check_places(one.uv, one.mesh, mesh);
+    mesh.uv = std::move(one.uv);
+  }
+  for (const std::uint32_t m : all.unseen) {
+    if (m >= scene.meshes.size()) throw Error("scene bytes say that mesh {} of {} is not seen", m, scene.meshes.size());
+    if (!scene.meshes[m].seen) throw Error("scene bytes say twice that mesh {} ({}) is not seen", m, scene.meshes[m].name);
+    scene.meshes[m].seen = false;
   }
 }
 
@@ -142,12 +220,14 @@ std::string content_hash(const std::string& text) { return content_hash(std::as_
 
 std::vector<std::byte> scene_bytes(const Scene& scene) {
   FieldWriter writer;
-  const bool is_masked = scene.has_alpha_masks();
-  writer(is_masked ? masked_layout : solid_layout);
-  visit_solid(writer, scene);
-  if (is_masked || writer.has_more(scene.paths)) visit_paths(writer, scene.paths);
   const Masks masks = masks_of(scene);
-  if (is_masked) visit_masks(writer, masks);
+  const GlassParts glass = glass_of(scene);
+  const std::uint32_t layout = !glass.empty() ? glass_layout : !masks.meshes.empty() ? masked_layout : solid_layout;
+  writer(layout);
+  visit_solid(writer, scene);
+  if (layout >= masked_layout || writer.has_more(scene.paths)) visit_paths(writer, scene.paths);
+  if (layout >= masked_layout) visit_masks(writer, masks);
+  if (layout >= glass_layout) visit_glass(writer, glass);
   return std::move(writer.bytes);
 }
 
@@ -165,18 +245,23 @@ std::string scene_hash(const Scene& scene, std::span<const std::string> lights) 
 
 Scene scene_from_bytes(std::span<const std::byte> bytes) {
   FieldReader reader(bytes, "scene bytes end too early");
-  std::uint32_t version = 0;
-  reader(version);
-  if (version != solid_layout && version != masked_layout)
-    throw Error("scene bytes have layout {}; this program reads {} and {}", version, solid_layout, masked_layout);
-  const bool is_masked = version == masked_layout;
+  std::uint32_t layout = 0;
+  reader(layout);
+  if (layout < solid_layout || layout > glass_layout)
+    throw Error("scene bytes have layout {}; this program reads {} .. {}", layout, solid_layout, glass_layout);
   Scene scene;
   visit_solid(reader, scene);
-  if (is_masked || reader.has_more(scene.paths)) visit_paths(reader, scene.paths);
-  if (!is_masked) return scene;
-  Masks masks;
-  visit_masks(reader, masks);
-  put_masks(std::move(masks), scene);
+  if (layout >= masked_layout || reader.has_more(scene.paths)) visit_paths(reader, scene.paths);
+  if (layout >= masked_layout) {
+    Masks masks;
+    visit_masks(reader, masks);
+    put_masks(std::move(masks), scene);
+  }
+  if (layout >= glass_layout) {
+    GlassParts glass;
+    visit_glass(reader, glass);
+    put_glass(std::move(glass), scene);
+  }
   return scene;
 }
 

@@ -14,6 +14,7 @@
 #include "measure/printable.h"
 #include "measure/scene/base_scene.h"
 #include "measure/scene/import_masks.h"
+#include "measure/scene/import_transmission.h"
 #include "measure/scene/load.h"
 #include "measure/scene/names.h"
 
@@ -101,7 +102,8 @@ std::vector<std::uint8_t> used_vertices(const std::string& where, const Imported
 }
 
 /// Places the vertices that faces use, and welds them: readers may repeat a vertex for every face; one position becomes one
-/// vertex again, of a mesh with a mask where it has one place there. Returns the place in `mesh` of each vertex of the file.
+/// vertex again, of a mesh that needs its places in an image where it has one place there. Returns the place in `mesh` of each
+/// vertex of the file.
 std::vector<std::uint32_t> place_vertices(const std::string& where, const ImportedMesh& raw, const glm::dmat4& place,
                                           const Placement& placement, NoteCounts& counts, Mesh& mesh) {
   const std::vector<std::uint8_t> used = used_vertices(where, raw);
@@ -118,8 +120,8 @@ std::vector<std::uint32_t> place_vertices(const std::string& where, const Import
     counts.placed.add(placed);
   }
   std::vector<std::uint32_t> welded = weld(positions, used);
-  if (mesh.alpha_mask) {
-    check_uv(where, raw, used);
+  if (mesh.needs_uv()) {
+    check_uv(where, raw, used, mesh.alpha_mask != nullptr);
     welded = weld_places(welded, raw.uv, used);
   }
   for (std::uint32_t v = 0; v < welded.size(); ++v) {
@@ -127,14 +129,14 @@ std::vector<std::uint32_t> place_vertices(const std::string& where, const Import
     const bool is_new = welded[v] == v;
     welded[v] = is_new ? static_cast<std::uint32_t>(mesh.positions.size()) : welded[welded[v]];
     if (is_new) mesh.positions.push_back(positions[v]);
-    if (is_new && mesh.alpha_mask) mesh.uv.push_back(raw.uv[v]);
+    if (is_new && mesh.needs_uv()) mesh.uv.push_back(raw.uv[v]);
   }
   return welded;
 }
 
 /// Checks, places, welds and triangulates one mesh.
 Mesh convert(const fs::path& file, const ImportedMesh& raw, const glm::dmat4& place, const Placement& placement,
-             FileMasks& masks, NoteCounts& counts) {
+             FileMasks& masks, FileTransmissions& transmissions, NoteCounts& counts) {
   Mesh mesh;
   mesh.name = printable(raw.name.empty() ? file.stem().string() : raw.name, true);
   const auto is_share = [](float x) { return x >= 0 && x <= 1; };
@@ -143,6 +145,8 @@ Mesh convert(const fs::path& file, const ImportedMesh& raw, const glm::dmat4& pl
   counts.odd_colors += raw.has_color && !is_albedo;
   const std::string where = fmt::format("{}: mesh '{}'", file.string(), mesh.name);
   mesh.alpha_mask = masks.mask(where, raw);
+  mesh.transmission = transmissions.transmission(where, raw);
+  if (mesh.transmission) mesh.seen = transmissions.are_seen();
   const std::vector<std::uint32_t> welded = place_vertices(where, raw, place, placement, counts, mesh);
 
   auto corner = raw.corners.begin();
@@ -158,12 +162,10 @@ Mesh convert(const fs::path& file, const ImportedMesh& raw, const glm::dmat4& pl
     // with all others.
     mesh.triangles.resize(std::max(mesh.triangles.size(), before + count - 2), glm::uvec3(face[0]));
   }
-  if (mesh.alpha_mask) {
-    masks.drop_duplicates(mesh);
-    return mesh;
-  }
+  if (mesh.alpha_mask || mesh.transmission) masks.drop_duplicates(mesh);
+  if (mesh.alpha_mask || (mesh.transmission && !mesh.transmission->is_constant())) return mesh;
   if (raw.has_texture) counts.textured += mesh.triangles.size();
-  if (raw.is_transparent) counts.transparent += mesh.triangles.size();
+  if (raw.is_transparent && !transmissions.counts(raw)) counts.transparent += mesh.triangles.size();
   return mesh;
 }
 
@@ -241,34 +243,37 @@ bool is_mesh_file_name(const fs::path& file) { return has_mesh_format(file); }
 /// may find locks held for ever by threads that it does not have, so the program starts itself anew with its hidden sub-command
 /// `import-mesh`. A binary of another name (unit tests, users of the library) has no such sub-command: GNOMON_PROGRAM names the
 /// program for it, else it forks all the same.
-std::vector<std::byte> importing::answer_of_child(const fs::path& file, bool with_uv) {
+std::vector<std::byte> importing::answer_of_child(const fs::path& file, bool with_all) {
   const std::string name = file.string();
   if (has_other_threads()) {
-    if (const char* program = std::getenv("GNOMON_PROGRAM")) return output_of_program(name, program, file, with_uv);
-    if (const fs::path self = program_path(); self.filename() == "gnomon") return output_of_program(name, self, file, with_uv);
+    if (const char* program = std::getenv("GNOMON_PROGRAM")) return output_of_program(name, program, file, with_all);
+    if (const fs::path self = program_path(); self.filename() == "gnomon") return output_of_program(name, self, file, with_all);
   }
-  return output_of_fork(name, [&](int out_fd) { return import_child_main(name, out_fd, with_uv); });
+  return output_of_fork(name, [&](int out_fd) { return import_child_main(name, out_fd, with_all); });
 }
 
-void import_file(const fs::path& file, const Placement& placement, Scene& scene, const MaskChoice& masks) {
+void import_file(const fs::path& file, const Placement& placement, Scene& scene, const MaskChoice& masks,
+                 const TransmissionChoice& transmission) {
   check_file(file);
-  add_imported(file, answer_of_child(file, masks.are_used && masks.image), placement, scene, masks);
+  const bool needs_all_uv = (masks.are_used && masks.image) || transmission.image;
+  add_imported(file, answer_of_child(file, needs_all_uv), placement, scene, masks, transmission);
 }
 
 void importing::add_imported(const fs::path& file, std::span<const std::byte> answer, const Placement& placement, Scene& scene,
-                             const MaskChoice& mask_choice) {
+                             const MaskChoice& mask_choice, const TransmissionChoice& transmission_choice) {
   FieldReader reader(answer, file.string() + ": the importer's answer breaks off");
   MeshFile raw;
   visit_file(reader, raw);
   if (!raw.failure.empty()) throw Error("{}", raw.failure);
 
   FileMasks masks(file, raw, mask_choice, scene);
+  FileTransmissions transmissions(raw, transmission_choice, scene);
   NoteCounts counts;
   std::size_t triangle_count = 0;
   Bounds bounds;
   for (const ImportedMesh& raw_mesh : raw.meshes)
     for (const glm::dmat4& place : raw_mesh.places) {
-      Mesh mesh = convert(file, raw_mesh, place, placement, masks, counts);
+      Mesh mesh = convert(file, raw_mesh, place, placement, masks, transmissions, counts);
       triangle_count += mesh.triangles.size();
       if (triangle_count > max_triangle_count) throw Error("{}: more than {} triangles", file.string(), max_triangle_count);
       if (mesh.triangles.empty()) continue;
@@ -288,6 +293,7 @@ void importing::add_imported(const fs::path& file, std::span<const std::byte> an
   note(counts.textured, "triangles have textures, which are not used: cut-out leaves and grids are opaque");
   note(counts.transparent, "triangles are of transparent material and stop light all the same");
   masks.finish(name, scene);
+  transmissions.finish(file.string(), name, scene);
   for (const Reach* reach : {&counts.raw, &counts.placed})
     if (reach->is_coarse() && (reach->is_float || reach == &counts.placed)) {
       scene.notes.push_back(fmt::format("{}: coordinates lie up to {:.3g} from the origin, where float32 keeps steps of {:.2g}",

@@ -167,7 +167,7 @@ std::vector<std::byte> importing::output_of_fork(const std::string& what, const 
 }
 
 std::vector<std::byte> importing::output_of_program(const std::string& what, const std::filesystem::path& program,
-                                                    const std::filesystem::path& file, bool with_uv) {
+                                                    const std::filesystem::path& file, bool with_all) {
   Pipe pipe(what);
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
@@ -179,9 +179,9 @@ std::vector<std::byte> importing::output_of_program(const std::string& what, con
   char* arguments[] = {words[0].data(), words[1].data(), words[2].data(), words[3].data(), nullptr};
   std::vector<char*> variables;
   for (char** variable = environ; *variable; ++variable)
-    if (!std::string_view(*variable).starts_with(uv_variable)) variables.push_back(*variable);
-  std::string uv_wanted = fmt::format("{}=1", uv_variable);
-  if (with_uv) variables.push_back(uv_wanted.data());
+    if (!std::string_view(*variable).starts_with(all_variable)) variables.push_back(*variable);
+  std::string all_wanted = fmt::format("{}=1", all_variable);
+  if (with_all) variables.push_back(all_wanted.data());
   variables.push_back(nullptr);
   pid_t child = -1;
   const int failure = posix_spawn(&child, program.c_str(), &actions, nullptr, arguments, variables.data());
@@ -190,8 +190,9 @@ std::vector<std::byte> importing::output_of_program(const std::string& what, con
   return collect(what, child, pipe);
 }
 
-int import_child_main(const std::string& file, int out_fd, bool with_uv) {
+int import_child_main(const std::string& file, int out_fd, bool with_all) {
   Limits limits;
+  with_all |= std::getenv(all_variable) != nullptr;
   const ReadFile read = [&](const fs::path& path) { return read_regular_file(path, limits); };
   const auto refuse = [&](const std::string& why) {
     MeshFile answer;
@@ -201,9 +202,15 @@ int import_child_main(const std::string& file, int out_fd, bool with_uv) {
   try {
     MeshFile answer;
     if (has_mesh_format(file))
-      answer = read_mesh_file(file, read, with_uv || std::getenv(uv_variable));
+      answer = read_mesh_file(file, read, with_all);
     else
-      answer.mask_images.push_back({.name = file, .bytes = read(file), .is_gray_alpha = true, .alpha = {}, .failure = {}});
+      answer.mask_images.push_back({.name = file,
+                                    .bytes = read(file),
+                                    .is_gray_alpha = !with_all,
+                                    .wants_colors = with_all,
+                                    .alpha = {},
+                                    .colors = {},
+                                    .failure = {}});
     for (MaskImage& image : answer.mask_images)
       if (image.failure.empty()) decode(image, [&](std::uint64_t pixels) { limits.add_pixels(pixels); });
     send(answer, out_fd);

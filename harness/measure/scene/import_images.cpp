@@ -1,8 +1,9 @@
-// Decodes the images of masks, in the child process of an import: a damaged image may crash what reads it.
+// Decodes the images of masks and transmissions, in the child process of an import: a damaged image may crash what reads it.
 #include <sys/mman.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <cmath>
 #include <cstring>
@@ -65,6 +66,23 @@ void read_alpha(const fs::path& path, const std::vector<std::string>& channels, 
   std::ranges::transform(shares, image.alpha.begin(), rounded);
 }
 
+/// Red, green, blue; the first channel three times where one is missing.
+void read_colors(const fs::path& path, const std::vector<std::string>& channels, MaskImage& image) {
+  if (!image.wants_colors || channels.empty()) return;
+  const auto has = [&](const char* name) { return std::ranges::find(channels, name) != channels.end(); };
+  const bool is_colored = has("R") && has("G") && has("B");
+  constexpr std::array<const char*, 3> names = {"R", "G", "B"};
+  for (std::size_t c = 0; c < 3; ++c) {
+    if (c > 0 && !is_colored) {
+      for (std::size_t k = 0; k < image.colors.size(); k += 3) image.colors[k + c] = image.colors[k];
+      continue;
+    }
+    const std::vector<float> shares = read_exr(path, is_colored ? names[c] : channels.front(), image.width, image.height);
+    image.colors.resize(3 * shares.size());
+    for (std::size_t k = 0; k < shares.size(); ++k) image.colors[3 * k + c] = rounded(shares[k]);
+  }
+}
+
 /// A reason with the image's name in place of the path that it was read under.
 std::string named(std::string reason, const std::string& path, const std::string& name) {
   if (path.empty() || reason.find(path) == reason.npos) return fmt::format("{}: {}", name, reason);
@@ -83,7 +101,9 @@ void decode(MaskImage& image, const std::function<void(std::uint64_t pixels)>& m
     path = file.path().string();
     std::tie(image.width, image.height) = image_files().exr_size(path);
     make_room(static_cast<std::uint64_t>(image.width) * static_cast<std::uint64_t>(image.height));
-    read_alpha(path, image_files().exr_channels(path), image);
+    const std::vector<std::string> channels = image_files().exr_channels(path);
+    read_alpha(path, channels, image);
+    read_colors(path, channels, image);
   } catch (const std::bad_alloc&) {
     image.failure =
         fmt::format("{}: {} x {} pixels need more memory than the importer may take", image.name, image.width, image.height);
@@ -91,7 +111,9 @@ void decode(MaskImage& image, const std::function<void(std::uint64_t pixels)>& m
     image.failure = named(error.what(), path, image.name);
   }
   image.bytes = {};
-  if (!image.failure.empty()) image.alpha = {};
+  if (image.failure.empty()) return;
+  image.alpha = {};
+  image.colors = {};
 }
 
 }  // namespace gnomon::importing

@@ -53,10 +53,10 @@ void importing::check_readable(const fs::path& file, std::string_view what) {
   if (fs::file_size(file) == 0) throw Error("{}: is empty", name);
 }
 
-MaskImage importing::read_mask_image(const fs::path& file) {
+MaskImage importing::read_mask_image(const fs::path& file, bool with_colors) {
   check_readable(file, "an image");
   if (has_mesh_format(file)) throw Error("{}: is a mesh file, not an image", file.string());
-  const std::vector<std::byte> answer = answer_of_child(file);
+  const std::vector<std::byte> answer = answer_of_child(file, with_colors);
   FieldReader reader(answer, file.string() + ": the importer's answer breaks off");
   MeshFile raw;
   visit_file(reader, raw);
@@ -119,7 +119,8 @@ void FileMasks::finish(const std::string& name, Scene& scene) const {
   note(without_alpha_, "meshes have a mask whose image has no alpha; they are solid");
   note(without_hole_, "meshes have a mask without a hole; they are solid");
   note(without_solid_, "meshes have a mask without a solid texel; they stop no light");
-  note(duplicates_, "triangles of masked meshes are exact duplicates of others and are merged");
+  note(masked_duplicates_, "triangles of masked meshes are exact duplicates of others and are merged");
+  note(other_duplicates_, "triangles of meshes that let light through are exact duplicates of others and are merged");
 }
 
 /// The same three vertices in any order: winding never decides.
@@ -142,14 +143,16 @@ void FileMasks::drop_duplicates(Mesh& mesh) {
   std::size_t kept = 0;
   for (std::size_t i = 0; i < count; ++i)
     if (!is_again[i]) mesh.triangles[kept++] = mesh.triangles[i];
-  duplicates_ += count - kept;
+  (mesh.alpha_mask ? masked_duplicates_ : other_duplicates_) += count - kept;
   mesh.triangles.resize(kept);
 }
 
-void importing::check_uv(const std::string& where, const ImportedMesh& mesh, std::span<const std::uint8_t> used) {
+void importing::check_uv(const std::string& where, const ImportedMesh& mesh, std::span<const std::uint8_t> used,
+                         bool is_masked) {
   const auto refuse = [&](std::size_t v, const std::string& problem) {
-    throw Error("{}, vertex {}: {}; a mesh with a mask needs them within {} (masks = false loads it as solid)", where, v,
-                problem, uv_range);
+    throw Error("{}, vertex {}: {}; a mesh with a {} needs them within {} ({})", where, v, problem,
+                is_masked ? "mask" : "transmission of an image", uv_range,
+                is_masked ? "masks = false loads it as solid" : "transmission = false loads it as opaque");
   };
   if (!mesh.uv.empty() && mesh.uv.size() != mesh.positions.size())
     throw Error("{}: {} vertices have {} texture coordinates", where, mesh.positions.size(), mesh.uv.size());

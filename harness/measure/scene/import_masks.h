@@ -18,7 +18,7 @@ class FileMasks {
   /// mask.
   void finish(const std::string& name, Scene& scene) const;
 
-  /// Triangles that a mesh has more than once are there once.
+  /// Triangles that a mesh with a mask or a transmission has more than once are there once.
   void drop_duplicates(Mesh& mesh);
 
  private:
@@ -35,12 +35,13 @@ class FileMasks {
   const Scene& scene_;
   std::optional<MaskImage> chosen_;
   std::map<Settings, MadeMask> known_;
-  std::size_t without_alpha_ = 0, without_hole_ = 0, without_solid_ = 0, masked_ = 0, duplicates_ = 0;
+  std::size_t without_alpha_ = 0, without_hole_ = 0, without_solid_ = 0, masked_ = 0;
+  std::size_t masked_duplicates_ = 0, other_duplicates_ = 0;  ///< triangles
 };
 
-/// Throws Error unless each used vertex of a mesh with a mask has sound texture coordinates.
-void check_uv(const std::string& where, const ImportedMesh& mesh, std::span<const std::uint8_t> used);
-/// For each used vertex the first one at exactly its position and place in the mask; `welded` as of gnomon::weld.
+/// Throws Error unless each used vertex has sound texture coordinates, which a mask needs, or else a transmission.
+void check_uv(const std::string& where, const ImportedMesh& mesh, std::span<const std::uint8_t> used, bool is_masked);
+/// For each used vertex the first one at exactly its position and place in the image; `welded` as of gnomon::weld.
 std::vector<std::uint32_t> weld_places(std::span<const std::uint32_t> welded, std::span<const glm::vec2> uv,
                                        std::span<const std::uint8_t> used);
 

@@ -100,9 +100,9 @@ void check_vertices(const Mesh& mesh, const std::string& where) {
     if (const glm::vec3& p = mesh.positions[i]; !is_sound(p))
       throw Error("mesh '{}', vertex {}: position = ({}, {}, {}) is outside {} ({})", mesh.name, i, p.x, p.y, p.z,
                   coordinate_range, where);
-  if (mesh.alpha_mask && mesh.uv.size() != mesh.positions.size())
-    throw Error("mesh '{}': {} of its {} vertices have a place in its mask; all must have one ({})", mesh.name, mesh.uv.size(),
-                mesh.positions.size(), where);
+  if (mesh.needs_uv() && mesh.uv.size() != mesh.positions.size())
+    throw Error("mesh '{}': {} of its {} vertices have a place in its {}; all must have one ({})", mesh.name, mesh.uv.size(),
+                mesh.positions.size(), mesh.alpha_mask ? "mask" : "transmission", where);
   for (std::size_t i = 0; i < mesh.uv.size(); ++i)
     if (const glm::vec2& uv = mesh.uv[i]; !is_sound_uv(uv))
       throw Error("mesh '{}', vertex {}: uv = ({}, {}) is outside {} ({})", mesh.name, i, uv.x, uv.y, uv_range, where);
@@ -211,10 +211,10 @@ void finish_scene(Scene& scene, const std::string& where) {
   std::size_t dropped = 0;
   for (Mesh& mesh : scene.meshes) {
     check_vertices(mesh, where);
-    if (mesh.alpha_mask && mesh.has_curved_shape()) {
+    if ((mesh.alpha_mask || mesh.transmission) && mesh.has_curved_shape()) {
       mesh.shape.reset();
-      scene.notes.push_back(
-          fmt::format("mesh '{}' has an alpha mask: its triangles are taken, not its exact shape", mesh.name));
+      scene.notes.push_back(fmt::format("mesh '{}' has {}: its triangles are taken, not its exact shape", mesh.name,
+                                        mesh.alpha_mask ? "an alpha mask" : "a transmission"));
     }
     finish(mesh);
     dropped += mesh.facts.degenerate_count;

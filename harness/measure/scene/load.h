@@ -53,12 +53,23 @@ struct MaskChoice {
   std::optional<double> cutoff;                ///< in place of the file's own
   int scale = 1;                               ///< see AlphaMask
 };
+/// What a description says of the light that the meshes of a file let through.
+struct TransmissionChoice {
+  bool is_used = true;                         ///< false: all meshes are opaque
+  std::optional<glm::vec3> everywhere;         ///< in place of the file's own, of all its meshes
+  std::optional<std::filesystem::path> image;  ///< the same, of an image
+  std::optional<bool> seen;                    ///< whether the eye sees the meshes that let light through; not unless given
+};
 /// Appends the file's meshes (and its cameras and punctual lights, for glTF) to the scene.
-void import_file(const std::filesystem::path& file, const Placement& placement, Scene& scene, const MaskChoice& masks = {});
+void import_file(const std::filesystem::path& file, const Placement& placement, Scene& scene, const MaskChoice& masks = {},
+                 const TransmissionChoice& transmission = {});
 /// The mask of an image file: its alpha, or the brightness of an image without alpha. The scene's own where it has an equal
 /// one. A child process reads the file. Throws Error.
 std::shared_ptr<const AlphaMask> read_alpha_mask(const std::filesystem::path& file, double cutoff, int scale,
                                                  const Scene& scene);
+/// What an image file lets through: gray, or red, green, blue, its bytes / 255, repeated. The scene's own where it has an equal
+/// one. A child process reads the file. Throws Error.
+std::shared_ptr<const Transmission> read_transmission_image(const std::filesystem::path& file, const Scene& scene);
 
 /// Whether the importer reads files of this name: what makes `--scene NAME` a mesh file.
 bool is_mesh_file_name(const std::filesystem::path& file);

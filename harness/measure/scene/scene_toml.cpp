@@ -58,7 +58,7 @@ void check_fetched(const std::string& reference, std::size_t depth) {
     if (const toml::array* items = document[list].as_array())
       for (const toml::node& item : *items)
         if (const toml::table* table = item.as_table())
-          for (const char* const key : {"file", "mask"})
+          for (const char* const key : {"file", "mask", "transmission"})
             if (const auto name = (*table)[key].value_exact<std::string>()) described_file(*name, file);
   if (const auto base = document["scene"].value_exact<std::string>()) check_fetched(seen_from_here(*base, file), depth + 1);
 }
@@ -113,18 +113,20 @@ const Kind& kind_of(const toml::table& table, const fs::path& file, const std::s
 }
 
 void read_mesh(const toml::table& toml, const fs::path& file, Scene& scene) {
-  const Table table(
-      toml, file, "mesh",
-      {"file", "scale", "rotate_degrees", "translate", "casts", "receives", "albedo", "mask", "cutoff", "mask_scale", "masks"});
+  const Table table(toml, file, "mesh",
+                    {"file", "scale", "rotate_degrees", "translate", "casts", "receives", "albedo", "mask", "cutoff",
+                     "mask_scale", "masks", "transmission", "seen"});
   const glm::dvec3 zero(0);
   const Placement placement{table.scale("scale"), table.vector("rotate_degrees", zero), table.vector("translate", zero)};
   const bool casts = table.flag("casts", true), receives = table.flag("receives", true);
   const glm::vec3 albedo = table.albedo();
   const fs::path path = described_file(table.text("file"), file);
-  const MaskChoice masks = read_masks(table, [&](const std::string& name) { return described_file(name, file); });
+  const DescribedFile file_of = [&](const std::string& name) { return described_file(name, file); };
+  const MaskChoice masks = read_masks(table, file_of);
+  const TransmissionChoice transmission = read_transmission(table, file_of);
   const std::size_t first = scene.meshes.size();
   try {
-    import_file(path, placement, scene, masks);
+    import_file(path, placement, scene, masks, transmission);
   } catch (const Error& error) {
     throw Error("{} (named in {})", error.what(), table.where("file"));
   }
@@ -172,7 +174,7 @@ void read_shape(const toml::table& toml, const fs::path& file, Scene& scene) {
     if (kind != "plane" && toml.contains(key))
       throw Error("{}.{} is not allowed: of the shapes, a plane alone may have a mask ({})", kind, key,
                   Table(toml, file, kind).where(key));
-  const Table table(toml, file, kind, keys, {"kind", "segments", "casts", "receives", "albedo"});
+  const Table table(toml, file, kind, keys, {"kind", "segments", "casts", "receives", "albedo", "transmission", "seen"});
   const Shape shape = read_geometry(kind, table);
   check(shape, fmt::format("{} ({})", kind, table.where()));
   Mesh mesh = tessellate(shape, table.integer("segments", 64, 3, 4096), fmt::format("{}_{}", kind, scene.meshes.size()));
@@ -181,6 +183,7 @@ void read_shape(const toml::table& toml, const fs::path& file, Scene& scene) {
   mesh.albedo = table.albedo();
   const DescribedFile file_of = [&](const std::string& name) { return described_file(name, file); };
   add_mask(table, file_of, scene, mesh);
+  add_transmission(table, file_of, scene, mesh);
   scene.meshes.push_back(std::move(mesh));
 }
 

@@ -2,6 +2,13 @@
 
 namespace gnomon {
 
+namespace {
+
+/// Of a tessellated plane, whose corners are -u -v, +u -v, +u +v, -u +v.
+const std::vector<glm::vec2> plane_uv = {{0, 1}, {1, 1}, {1, 0}, {0, 0}};
+
+}  // namespace
+
 MaskChoice read_masks(const Table& table, const DescribedFile& file_of) {
   MaskChoice masks;
   masks.are_used = table.flag("masks", true);
@@ -35,7 +42,57 @@ void add_mask(const Table& table, const DescribedFile& file_of, Scene& scene, Me
     return;
   }
   plane.alpha_mask = std::move(mask);
-  plane.uv = {{0, 1}, {1, 1}, {1, 0}, {0, 0}};  // the corners are -u -v, +u -v, +u +v, -u +v
+  plane.uv = plane_uv;
+}
+
+TransmissionChoice read_transmission(const Table& table, const DescribedFile& file_of) {
+  constexpr std::string_view key = "transmission";
+  TransmissionChoice choice;
+  if (table.has("seen")) choice.seen = table.flag("seen", false);
+  if (table.is_flag(key))
+    choice.is_used = table.flag(key, true);
+  else if (table.is_text(key))
+    choice.image = file_of(table.text(key));
+  else if (table.has(key))
+    choice.everywhere = table.shares(key);
+  const bool is_opaque = !choice.is_used || choice.everywhere == glm::vec3(0);
+  if (is_opaque && choice.seen)
+    table.refuse("seen", *choice.seen, "allowed beside a transmission of false or 0: what is opaque is seen");
+  return choice;
+}
+
+void add_transmission(const Table& table, const DescribedFile& file_of, Scene& scene, Mesh& shape) {
+  constexpr std::string_view key = "transmission";
+  const TransmissionChoice choice = read_transmission(table, file_of);
+  if (!table.has(key)) {
+    if (choice.seen) table.refuse("seen", *choice.seen, "allowed without a transmission: what is opaque is seen");
+    return;
+  }
+  if (table.is_flag(key)) table.refuse(key, table.flag(key, true), "a number of 0 .. 1, three of them, or an image of a plane");
+  if (choice.image) {
+    if (!shape.shape || !std::holds_alternative<Plane>(*shape.shape))
+      table.refuse(key, '\'' + table.text(key) + '\'', "allowed: of the shapes, a plane alone may have an image");
+    try {
+      shape.transmission = read_transmission_image(*choice.image, scene);
+    } catch (const Error& error) {
+      throw Error("{} (named in {})", error.what(), table.where(key));
+    }
+  } else {
+    shape.transmission = std::make_shared<const Transmission>(*choice.everywhere);
+  }
+  const bool is_constant = shape.transmission->is_constant();
+  if (is_constant && shape.transmission->at(0, 0) == glm::vec3(0)) {
+    if (choice.image && choice.seen) table.refuse("seen", *choice.seen, "allowed: its image lets no light through");
+    if (choice.image)
+      scene.notes.push_back(
+          fmt::format("{}: its transmission {} lets no light through; it is opaque", shape.name, table.text(key)));
+    shape.transmission.reset();
+    return;
+  }
+  if (is_constant && shape.transmission->at(0, 0) == glm::vec3(1))
+    scene.notes.push_back(fmt::format("{}: it lets all light through; it stops none", shape.name));
+  shape.seen = choice.seen.value_or(false);
+  if (shape.needs_uv()) shape.uv = plane_uv;
 }
 
 }  // namespace gnomon

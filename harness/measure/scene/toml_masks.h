@@ -1,5 +1,5 @@
 #pragma once
-// Private to the reader of described scenes: its keys of alpha masks.
+// Private to the reader of described scenes: its keys of alpha masks and of transmission.
 #include <functional>
 
 #include "measure/scene/toml_table.h"
@@ -17,5 +17,13 @@ MaskChoice read_masks(const Table& table, const DescribedFile& file_of);
 /// Gives a tessellated plane the mask of its table, if that has one. The image is upright as seen from the side of the normal:
 /// u runs along half_u, and the top row is at +half_v. A mask without a hole is left out, with a note.
 void add_mask(const Table& table, const DescribedFile& file_of, Scene& scene, Mesh& plane);
+
+/// The keys `transmission` and `seen` of a mesh file's table: true, false, a number, three, or the name of an image. Throws
+/// Error, also where `seen` is beside what is opaque.
+TransmissionChoice read_transmission(const Table& table, const DescribedFile& file_of);
+
+/// Gives a tessellated shape the transmission of its table, if that has one, and says whether it is seen. A plane alone may
+/// have an image, upright as that of a mask.
+void add_transmission(const Table& table, const DescribedFile& file_of, Scene& scene, Mesh& shape);
 
 }  // namespace gnomon

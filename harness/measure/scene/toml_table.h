@@ -50,6 +50,10 @@ class Table {
     throw Error("{}.{} = {} is not {} ({})", what_, key, value, allowed, where(key));
   }
 
+  /// What a key holds; false where it is not there.
+  bool is_text(std::string_view key) const { return table_.get(key) && table_.get(key)->is_string(); }
+  bool is_flag(std::string_view key) const { return table_.get(key) && table_.get(key)->is_boolean(); }
+
   std::string text(std::string_view key) const { return exact<std::string>(key, "a text"); }
   bool flag(std::string_view key, bool fallback) const { return has(key) ? exact<bool>(key, "true or false") : fallback; }
   double number(std::string_view key) const { return number_of(key, need(key)); }
@@ -107,6 +111,13 @@ class Table {
     const std::string value = has(key) ? text(key) : fallback;
     if (!is_plain_name(value)) refuse(key, '\'' + value + '\'', "a name of a..z, 0..9 and _, at most 100 of them");
     if (find_named(others, value)) refuse(key, '\'' + value + '\'', "unique");
+    return value;
+  }
+  /// Three shares of 0 .. 1, or one for all three.
+  glm::vec3 shares(std::string_view key) const {
+    const glm::dvec3 value = need(key).is_array() ? vector(key) : glm::dvec3(number(key));
+    for (int c = 0; c < 3; ++c)
+      if (!(value[c] >= 0 && value[c] <= 1)) refuse(key, value[c], "within 0 .. 1");
     return value;
   }
   glm::vec3 albedo() const {

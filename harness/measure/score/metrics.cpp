@@ -102,6 +102,11 @@ std::optional<double> mean_over_tested(const Scoring& s, std::span<const float> 
   return values.empty() ? std::nullopt : share(sum, s.error_counts().tested);
 }
 
+template <std::size_t k>
+std::optional<double> glass_error_behind(const Scoring& s) {
+  return s.glass_error().by_surfaces[k];
+}
+
 /// Of all numbers the median is the nearest to the reference in the mean.
 std::optional<double> constant_error(const Scoring& s) {
   const Evidence& e = s.evidence();
@@ -140,7 +145,8 @@ constexpr MetricInfo metric_rows[] = {
     {"constant_error", "", "",
      "Error of the best mask of one value everywhere. A row that does not beat it is never called best.", constant_error},
     {"wrong_rate", "", "lower",
-     "Share of T whose visibility is off by more than one half, or is one half where the reference is lit.",
+     "Share of T whose visibility is off by more than one half, or is one half where the reference is lit. Where casters let a "
+     "part of the light through, off by more than 1/20.",
      [](const Scoring& s) { return share(s.error_counts().wrong, s.error_counts().tested); }},
     {"wrong_rate_all", "", "lower", "Wrong rate over every pixel that faces the light (T, G, S and U).",
      [](const Scoring& s) { return share(s.error_counts().wrong_facing, s.error_counts().facing); }},
@@ -236,6 +242,24 @@ constexpr MetricInfo metric_rows[] = {
     {"penumbra_width_ratio_floor", "ratio", "", floor_sentence, softness_floor<&Softness::width_ratio, 1>},
     {"contact_hardening_floor", "ratio", "", floor_sentence, softness_floor<&Softness::hardening, 1>},
     {"penumbra_shift_floor", "px", "", floor_sentence, softness_floor<&Softness::shift, 0>},
+    {"transmittance_error_rms", "", "lower",
+     "Root mean square of the difference from the reference over T, where casters let a part of the light through.",
+     [](const Scoring& s) { return s.glass_error().rms; }},
+    {"transmittance_error_p95", "", "lower", "95th percentile of the absolute difference over T, there.",
+     [](const Scoring& s) { return s.glass_error().p95; }},
+    {"transmittance_error_at_jumps", "", "lower",
+     "Mean absolute difference over the pixels of T within 2 px of neighbors whose references differ by more than 1/20.",
+     [](const Scoring& s) { return s.glass_error().near_jumps; }},
+    {"transmittance_error_off_jumps", "", "lower", "The same over the other pixels of T.",
+     [](const Scoring& s) { return s.glass_error().off_jumps; }},
+    {"transmittance_error_0", "", "lower",
+     "Mean absolute difference over the pixels of T whose way to the light crosses nothing, in such scenes.",
+     glass_error_behind<0>},
+    {"transmittance_error_1", "", "lower", "The same of ways through 1 surface that takes a part of the light.",
+     glass_error_behind<1>},
+    {"transmittance_error_2", "", "lower", "The same of ways through 2 surfaces.", glass_error_behind<2>},
+    {"transmittance_error_3_4", "", "lower", "The same of ways through 3 or 4 surfaces.", glass_error_behind<3>},
+    {"transmittance_error_5_up", "", "lower", "The same of ways through 5 surfaces or more.", glass_error_behind<4>},
     {"ssim", "index", "higher", "Structural similarity of the shaded picture and the reference's, on luma; 1 is equal.",
      [](const Scoring& s) { return s.likeness().ssim; }},
     {"flip", "index", "lower",
@@ -276,7 +300,7 @@ std::vector<BinCount> count_edge_bins(const Scoring& scoring) {
 }
 
 std::vector<float> measure_edge_distance(const Evidence& e) {
-  return distance_transform(shadow_boundary(e.reference, e.classes, e.width, e.height), e.width, e.height);
+  return distance_transform(shadow_boundary(e.reference, e.classes, e.width, e.height, e.kind), e.width, e.height);
 }
 
 Softness measure_softness_of_half(const Evidence& e) {
@@ -305,6 +329,7 @@ const std::vector<BinCount>& Scoring::angle_bins() const { return once(angle_bin
 const Softness& Scoring::softness() const { return once(softness_, measure_softness, evidence_); }
 const Softness& Scoring::softness_of_half() const { return once(softness_of_half_, measure_softness_of_half, evidence_); }
 const LightError& Scoring::light_error() const { return once(light_error_, measure_light_error, *this); }
+const GlassError& Scoring::glass_error() const { return once(glass_error_, measure_glass_error, evidence_); }
 const Likeness& Scoring::likeness() const { return once(likeness_, measure_likeness, *this); }
 
 }  // namespace gnomon

@@ -24,6 +24,8 @@ struct Evidence {
   /// number that is true of the light.
   std::span<const float> reference_error = {}, reference_half = {}, other_reference = {};
   std::span<const float> caster_distance = {};  ///< meters, see SoftReference
+  /// Behind casters that let a part of the light through, else empty: how many surfaces are on the way (Reference::surfaces).
+  std::span<const std::uint8_t> surfaces = {};
   /// Of several lights together (see Together), else empty: what a pixel would receive of them without shadows. Mask and
   /// reference are shares of it, and `light` is null.
   std::span<const double> received = {};
@@ -34,7 +36,7 @@ struct Evidence {
   AnswerKind kind = AnswerKind::binary;        ///< of the reference: what the mask is compared with
 
   bool faces_light(std::size_t i) const { return classes[i] > PixelClass::F; }
-  bool is_wrong(std::size_t i) const { return gnomon::is_wrong(mask[i], reference[i]); }
+  bool is_wrong(std::size_t i) const { return gnomon::is_wrong(mask[i], reference[i], kind); }
   /// Whether a pixel has a cause when causes were looked for: it is tested, and wrong; under a light with area, off at all.
   bool wants_cause(std::size_t i) const {
     return classes[i] == PixelClass::T && (reference_error.empty() ? is_wrong(i) : mask[i] != reference[i]);
@@ -72,6 +74,14 @@ struct LightError {
   std::optional<double> rms;   ///< of the difference, as a share of that of the reference
 };
 
+/// The metrics behind casters that let a part of the light through: of |mask - reference| over T.
+struct GlassError {
+  std::optional<double> rms, p95;
+  std::optional<double> near_jumps, off_jumps;  ///< means within 2 px of where the reference jumps by over 1/20, and elsewhere
+  /// Means where the way crosses 0, 1, 2, 3 to 4, 5 surfaces or more and nothing opaque.
+  std::array<std::optional<double>, 5> by_surfaces;
+};
+
 /// How different the shaded pictures of mask and reference look.
 struct Likeness {
   std::optional<double> ssim, flip;
@@ -95,6 +105,7 @@ class Scoring {
   /// Irradiance of every pixel without casters, of all lights together; empty where neither light nor that is known.
   std::span<const double> received() const;
   const LightError& light_error() const;
+  const GlassError& glass_error() const;
   const Likeness& likeness() const;
 
  private:
@@ -106,6 +117,7 @@ class Scoring {
   mutable std::optional<Softness> softness_, softness_of_half_;
   mutable std::optional<std::vector<double>> received_;  ///< of one light
   mutable std::optional<LightError> light_error_;
+  mutable std::optional<GlassError> glass_error_;
   mutable std::optional<Likeness> likeness_;
 };
 
@@ -122,6 +134,7 @@ std::span<const MetricInfo> metric_infos();
 Displacement measure_displacement(const Evidence& evidence);
 Softness measure_softness(const Evidence& evidence);
 LightError measure_light_error(const Scoring& scoring);
+GlassError measure_glass_error(const Evidence& evidence);
 Likeness measure_likeness(const Scoring& scoring);
 
 /// Square meters that pixel i covers on the plane through its point, across its normal: the exact area of the quadrilateral

@@ -12,7 +12,7 @@ namespace {
 
 /// The dark side of the boundary alone: with both sides marked, an edge displaced by k pixels would be found k - 1/2 away.
 std::vector<std::uint8_t> shadow_rim(const Evidence& e, std::span<const float> mask) {
-  std::vector<std::uint8_t> marked = shadow_boundary(mask, e.classes, e.width, e.height);
+  std::vector<std::uint8_t> marked = shadow_boundary(mask, e.classes, e.width, e.height, e.kind);
   for (std::size_t i = 0; i < marked.size(); ++i) marked[i] &= !is_lit(mask[i]);
   return marked;
 }

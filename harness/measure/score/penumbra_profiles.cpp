@@ -9,12 +9,12 @@ namespace {
 constexpr double step = 0.5;  // pixels from sample to sample
 
 /// Where V_ref crosses one half between 4-neighbors on one object, by linear interpolation.
-struct Crossing {
+struct LevelCrossing {
   glm::dvec2 point;
   std::size_t pixel;  ///< the left or upper one of the two that it lies between
 };
 
-void add_crossings(const Evidence& e, const PixelWindows& windows, int y, std::vector<Crossing>& crossings) {
+void add_crossings(const Evidence& e, const PixelWindows& windows, int y, std::vector<LevelCrossing>& crossings) {
   const std::span<const float> v = e.reference;
   for (int x = 0; x < e.width; ++x) {
     const std::size_t i = windows.at(x, y);
@@ -52,7 +52,7 @@ std::optional<Pair> between(const Evidence& e, const PixelWindows& windows, cons
 
 /// From the crossing one way until both masks have saturated at two samples on end; false where they do not. The reference's
 /// way there says how far the technique's may be.
-bool walk(const Evidence& e, const PixelWindows& windows, const Crossing& from, bool to_light, PenumbraProfile& profile) {
+bool walk(const Evidence& e, const PixelWindows& windows, const LevelCrossing& from, bool to_light, PenumbraProfile& profile) {
   int saturated = 0;
   double most = INFINITY;
   for (int k = 1; k * step <= most; ++k) {
@@ -68,7 +68,7 @@ bool walk(const Evidence& e, const PixelWindows& windows, const Crossing& from, 
   return false;
 }
 
-std::optional<PenumbraProfile> profile_at(const Evidence& e, const PixelWindows& windows, const Crossing& from) {
+std::optional<PenumbraProfile> profile_at(const Evidence& e, const PixelWindows& windows, const LevelCrossing& from) {
   const int x = static_cast<int>(std::lround(from.point.x)), y = static_cast<int>(std::lround(from.point.y));
   if (!windows.is_whole(x, y, 1)) return std::nullopt;
   const glm::dvec2 slope = windows.slope(e.reference, x, y);
@@ -88,9 +88,9 @@ std::optional<PenumbraProfile> profile_at(const Evidence& e, const PixelWindows&
 std::vector<PenumbraProfile> penumbra_profiles(const Evidence& e, const PixelWindows& windows) {
   std::vector<std::vector<PenumbraProfile>> rows(static_cast<std::size_t>(e.height));
   tbb::parallel_for(0, e.height, [&](int y) {
-    std::vector<Crossing> crossings;
+    std::vector<LevelCrossing> crossings;
     add_crossings(e, windows, y, crossings);
-    for (const Crossing& crossing : crossings)
+    for (const LevelCrossing& crossing : crossings)
       if (const auto profile = profile_at(e, windows, crossing)) rows[static_cast<std::size_t>(y)].push_back(*profile);
   });
   std::vector<PenumbraProfile> all;

@@ -32,6 +32,7 @@ struct Answer {
             .reference_half = is_irradiance ? reference.irradiance_half : reference.half,
             .other_reference = is_irradiance ? reference.mask : reference.irradiance,
             .caster_distance = reference.caster_distance,
+            .surfaces = reference.surfaces,
             .own_causes = own_causes,
             .kind = reference.kind};
   }

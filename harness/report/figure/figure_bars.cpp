@@ -25,7 +25,8 @@ struct Bars {
 
   /// ", mean over 5 places"; nothing to say of a single one.
   std::string over_text() const {
-    static constexpr std::string_view kinds[] = {"without area of the light", "with area of the light", "of several lights"};
+    static constexpr std::string_view kinds[] = {"without area of the light", "with area of the light", "of several lights",
+                                                 "behind glass"};
     std::size_t sum = 0;
     std::vector<std::string> parts;
     for (std::size_t k = 0; k < places.size(); ++k) {
@@ -50,7 +51,10 @@ Bars bars_of(std::span<const Record> records, auto has) {
     for (const auto& [key, rows] : settings) {
       const Record& first = *rows.begin()->second;
       Bar& bar = bars.all.emplace_back(Bar{setting_name(first), first.role, {}});
-      if (!is_first) bar.name += of == AnswerKind::fraction ? ", light with area" : ", several lights";
+      if (!is_first)
+        bar.name += of == AnswerKind::fraction   ? ", light with area"
+                    : of == AnswerKind::received ? ", several lights"
+                                                 : ", behind glass";
       for (const Place& place : common) bar.rows.push_back(rows.at(place));
     }
   }

@@ -94,6 +94,10 @@ bool has_metric(std::span<const Record> records, std::string_view metric) {
 bool any_is(std::span<const Record> records, AnswerKind of) {
   return std::ranges::any_of(records, [&](const Record& r) { return r.answer == of; });
 }
+/// Whether pixels are right or wrong: under lights without area.
+bool has_wrong_pixels(std::span<const Record> records) {
+  return any_is(records, AnswerKind::binary) || any_is(records, AnswerKind::transmitted);
+}
 /// Whether a rasterizer of these rows rounds vertices to another grid than most do.
 bool has_unusual_grid(std::span<const Record> records) {
   return std::ranges::any_of(records, [](const Record& r) {
@@ -114,7 +118,8 @@ void add_known(std::vector<std::string>& names, std::span<const Record> records,
 void add_error_columns(std::vector<std::string>& names, std::span<const Record> records) {
   names.emplace_back("error");
   add_known(names, records, {"error_floor", "snapping_floor"});
-  if (any_is(records, AnswerKind::binary)) names.emplace_back("wrong_rate");
+  if (has_wrong_pixels(records)) names.emplace_back("wrong_rate");
+  add_known(names, records, {"transmittance_error_rms", "transmittance_error_p95"});
   if (any_is(records, AnswerKind::received))
     names.insert(names.end(), {"light_error_max", "received_error_rms", "flip", "ssim"});
 }
@@ -154,6 +159,8 @@ void add_shorthands(Layout& layout, std::span<const Record> records, bool has_nu
                                 count, count == 1 ? "" : "s"));
   add("error", "error", "mean difference from the reference over the tested pixels; rows are judged by it");
   add("wrong_rate", "wrong", "share of the tested pixels that are dark where the reference is lit, or lit where it is dark");
+  add("transmittance_error_rms", "wrong, glass",
+      "where casters let a part of the light through, wrong is off by more than 1/20");
   if (has_metric(records, "constant_error")) say("best constant mask", constant_note);
   add("light_error_max", "worst light", "the largest error of one light's mask");
   add("received_error_rms", "received error rms",
@@ -205,7 +212,7 @@ std::vector<std::string> headline_columns(std::span<const Record> records, bool 
     names.insert(names.end(), {"relight_device_ms", "resolve_device_ms", "floor_share"});
   names.insert(names.end(), {"bytes", "peak_bytes"});
   add_error_columns(names, records);
-  const bool with_hard = any_is(records, AnswerKind::binary);
+  const bool with_hard = has_wrong_pixels(records);
   if (with_hard) names.insert(names.end(), {"wrong_rate_all", "false_dark_rate", "false_lit_rate"});
   if (std::ranges::any_of(records, [](const Record& r) { return !top_causes(r).empty(); })) names.emplace_back("causes");
   if (with_hard) names.insert(names.end(), {"displacement_mean", "displacement_p95"});
@@ -217,8 +224,7 @@ std::vector<std::string> headline_columns(std::span<const Record> records, bool 
 std::vector<std::string> paper_columns(std::span<const Record> records) {
   std::vector<std::string> names = {"technique", "support", "build_ms", "relight_ms", "resolve_ms", "bytes"};
   add_error_columns(names, records);
-  if (any_is(records, AnswerKind::binary))
-    names.insert(names.end(), {"false_dark_rate", "false_lit_rate", "displacement_mean"});
+  if (has_wrong_pixels(records)) names.insert(names.end(), {"false_dark_rate", "false_lit_rate", "displacement_mean"});
   add_soft_columns(names, records);
   add_class_columns(names);
   return names;

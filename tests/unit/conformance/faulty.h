@@ -58,7 +58,7 @@ class Faulty final : public Technique {
     if (fault == Fault::writes_inputs) const_cast<Scene&>(scene).meshes[0].positions[0].x += 1;
     scene_ = &scene;
     is_open_ = is_open;
-    casters_.emplace(scene, Truth::mesh, fault == Fault::casts_all ? RayScene::Which::all : RayScene::Which::casters);
+    casters_.emplace(scene, Truth::mesh, fault == Fault::casts_all ? RayScene::Which::seen : RayScene::Which::casters);
   }
   void relight(const Light& light) override {
     if (fault == Fault::keeps_light && is_relit_) return;

@@ -94,15 +94,15 @@ TEST(GltfMask, defaults_are_those_of_the_format) {
 }
 
 TEST(GltfMask, other_modes_have_none) {
-  for (const char* mode : {"OPAQUE", "BLEND"}) {
-    Card card;
-    card.mode = mode;
-    const MeshFile file = card.read();
-    EXPECT_TRUE(file.mask_images.empty()) << mode;
-    EXPECT_FALSE(file.meshes.at(0).mask.has_image()) << mode;
-    EXPECT_TRUE(file.meshes[0].uv.empty()) << mode << ": nobody needs them";
-    EXPECT_EQ(card.read(true).meshes.at(0).uv.size(), 4u) << mode << ": they are wanted";
-  }
+  Card card;
+  card.mode = "OPAQUE";
+  const MeshFile file = card.read();
+  EXPECT_TRUE(file.mask_images.empty());
+  EXPECT_FALSE(file.meshes.at(0).mask.has_image());
+  EXPECT_TRUE(file.meshes[0].uv.empty()) << "nobody needs them";
+  EXPECT_EQ(card.read(true).meshes.at(0).uv.size(), 4u) << "they are wanted";
+  card.mode = "BLEND";
+  EXPECT_FALSE(card.read().meshes.at(0).mask.has_image()) << "it is glass";
 }
 
 TEST(GltfMask, coordinates_are_transformed_in_double) {
@@ -239,7 +239,8 @@ TEST(ObjMask, options_precede_a_name_that_may_have_blanks) {
   const MeshFile file = folder.read(square + "usemtl leaf\nf 1/1 2/2 3/3\n");
   EXPECT_EQ(file.mask_images.at(0).bytes, "image");
   EXPECT_EQ(file.meshes.at(0).mask.wrap_u, AlphaMask::Wrap::clamp);
-  EXPECT_EQ(file.meshes[0].mask.factor, 0.75f) << "d multiplies the map";
+  EXPECT_EQ(file.meshes[0].mask.factor, 1) << "d is that of the solid part";
+  EXPECT_EQ(file.meshes[0].transmission.alpha, 0.75);
   EXPECT_TRUE(has_note(file, "1 materials have a mask with options that are not used"));
 }
 

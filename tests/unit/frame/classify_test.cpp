@@ -92,7 +92,7 @@ std::vector<std::uint8_t> beside_a_plate(double beyond, double height, bool is_o
     finish(ground);
     scene.meshes = {ground};
   }
-  const RayScene everything(scene, Truth::mesh, RayScene::Which::all);
+  const RayScene everything(scene, Truth::mesh, RayScene::Which::seen);
   const View view{.eye = {0, 4, 0}, .target = {0, 0, 0}, .up = {0, 0, -1}, .fov_y_degrees = 90};
   return find_silhouettes(everything, make_gbuffer(scene, everything, view, 8, 8, Truth::mesh));
 }
@@ -115,7 +115,7 @@ TEST(silhouettes, are_pixels_that_show_something_else_half_a_grid_aside) {
 TEST(silhouettes, are_pixels_beside_nothing) {
   Scene scene;
   scene.meshes = {hand_made::mesh_of({{0.5f, 0, -40}, {40, 0, -40}, {40, 0, 40}, {0.5f, 0, 40}}, {{0, 1, 2}, {0, 2, 3}})};
-  const RayScene everything(scene, Truth::mesh, RayScene::Which::all);
+  const RayScene everything(scene, Truth::mesh, RayScene::Which::seen);
   const View view{.eye = {0, 4, 0.1f}, .target = {0, 0, 0.1f}, .up = {0, 0, -1}, .fov_y_degrees = 90};
   const GBuffer gbuffer = make_gbuffer(scene, everything, view, 8, 8, Truth::mesh);
   const auto silhouettes = find_silhouettes(everything, gbuffer);

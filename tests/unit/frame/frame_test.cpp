@@ -54,7 +54,7 @@ TEST(frame, what_the_cache_holds_is_what_is_computed) {
   const ScratchFolder folder = ScratchFolder::temporary("gnomon_frame");
   const Scene scene = ball_over_ground();
   for (const Truth truth : {Truth::shape, Truth::mesh}) {
-    const RayScene everything(scene, truth, RayScene::Which::all), casters(scene, truth, RayScene::Which::casters);
+    const RayScene everything(scene, truth, RayScene::Which::seen), casters(scene, truth, RayScene::Which::casters);
     const GBuffer fresh = make_gbuffer(scene, everything, scene.views[0], 50, 30, truth);
     // The first round makes the files, the second finds them.
     for (int round = 0; round < 2; ++round) {
@@ -86,7 +86,7 @@ TEST(frame, meshes_that_do_not_cast_are_seen_and_block_nothing) {
   scene.meshes.push_back(tessellate(Plane{{0, 2.6f, 0}, {3, 0, 0}, {0, 0, 3}}, 4, "pane"));
   scene.meshes.back().casts = false;
   const FrameKey key{scene.views[0], 50, 30, Truth::mesh};
-  const RayScene everything(scene, key.truth, RayScene::Which::all), casters(scene, key.truth, RayScene::Which::casters);
+  const RayScene everything(scene, key.truth, RayScene::Which::seen), casters(scene, key.truth, RayScene::Which::casters);
   // In either order: the store must not take the rays of one question for those of the other.
   for (const bool casters_first : {true, false}) {
     FrameStore frames(scene, folder.path() / (casters_first ? "a" : "b"));

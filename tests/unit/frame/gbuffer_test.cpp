@@ -12,7 +12,7 @@ namespace gbuffer_test {
 using namespace gnomon;
 
 GBuffer made(const Scene& scene, int width, int height, Truth truth) {
-  const RayScene everything(scene, truth, RayScene::Which::all);
+  const RayScene everything(scene, truth, RayScene::Which::seen);
   return make_gbuffer(scene, everything, scene.views[0], width, height, truth);
 }
 

@@ -137,7 +137,7 @@ struct Grove {
                     masked::card(2 * length, 2.5f * length, masked::checker(16, 16), 3)};
     const glm::vec3 eye(unit * random.uniform(glm::dvec3(-4, 2, 4), glm::dvec3(4, 4, 6)));
     const View view{.eye = eye, .target = {0, length / 2, 0}};
-    const RayScene everything(scene, Truth::mesh, RayScene::Which::all);
+    const RayScene everything(scene, Truth::mesh, RayScene::Which::seen);
     gbuffer = make_gbuffer(scene, everything, view, width, height, Truth::mesh);
     silhouettes = find_silhouettes(everything, gbuffer);
     const glm::vec3 lamp(unit * random.uniform(glm::dvec3(-2, 3, -2), glm::dvec3(2, 5, 2)));
@@ -195,7 +195,7 @@ TEST(holes_classes, a_light_with_area_is_seen_through_holes) {
     scene.meshes = {hand_made::square(4, 0), std::move(card)};
     const Light lamp{.name = "lamp", .kind = RectLight{{0.2f, 3, 0}, {0.5f, 0, 0}, {0, 0, 0.3f}}};
     const View view{.eye = {0, 8, 0.5f}, .target = {0, 0, 0}, .up = {0, 0, -1}};
-    const GBuffer gbuffer = make_gbuffer(scene, RayScene(scene, Truth::mesh, RayScene::Which::all), view, 32, 32, Truth::mesh);
+    const GBuffer gbuffer = make_gbuffer(scene, RayScene(scene, Truth::mesh, RayScene::Which::seen), view, 32, 32, Truth::mesh);
     return trace_soft(scene, RayScene(scene, Truth::mesh, RayScene::Which::casters), gbuffer, lamp, {}, {.error = 0.01});
   };
   const SoftReference by_mask = soft(masked::card(1, 1, mask_of({"#."})));

@@ -22,7 +22,7 @@ struct Frame {
   std::vector<std::uint8_t> snapping;
 
   Frame(const Scene& scene, const Light& light, const View& view, int size, Truth truth = Truth::mesh, int subpixel_bits = 8) {
-    const RayScene everything(scene, truth, RayScene::Which::all), casters(scene, truth, RayScene::Which::casters);
+    const RayScene everything(scene, truth, RayScene::Which::seen), casters(scene, truth, RayScene::Which::casters);
     gbuffer = gnomon::make_gbuffer(scene, everything, view, size, size, truth);
     reference.resize(gbuffer.size());
     trace_shadows(casters, scene, gbuffer, light, reference);

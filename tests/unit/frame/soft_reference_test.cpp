@@ -37,7 +37,7 @@ struct Traced {
 };
 
 Traced traced(Scene scene, int width = 96, int height = 54, const AreaTarget& target = {}) {
-  const RayScene all(scene, Truth::mesh, RayScene::Which::all), casters(scene, Truth::mesh, RayScene::Which::casters);
+  const RayScene all(scene, Truth::mesh, RayScene::Which::seen), casters(scene, Truth::mesh, RayScene::Which::casters);
   GBuffer gbuffer = make_gbuffer(scene, all, scene.views[0], width, height, Truth::mesh);
   SoftReference soft = trace_soft(scene, casters, gbuffer, scene.lights[0], find_silhouettes(all, gbuffer), target);
   return {std::move(scene), std::move(gbuffer), std::move(soft)};

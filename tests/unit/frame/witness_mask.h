@@ -36,7 +36,7 @@ struct WitnessedFrame {
       : scene(load_scene(reference)),
         light(*std::ranges::find(scene.lights, light_name, &Light::name)),
         casters(scene, truth, RayScene::Which::casters),
-        everything(scene, truth, RayScene::Which::all),
+        everything(scene, truth, RayScene::Which::seen),
         gbuffer(make_gbuffer(scene, everything, scene.views[0], width, height, truth)),
         silhouettes(find_silhouettes(everything, gbuffer)) {}
 

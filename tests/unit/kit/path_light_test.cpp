@@ -20,7 +20,7 @@ struct Rays {
   const Scene& scene;
   RayScene all, casters;
   Rays(const Scene& of, Truth truth)
-      : scene(of), all(of, truth, RayScene::Which::all), casters(of, truth, RayScene::Which::casters) {}
+      : scene(of), all(of, truth, RayScene::Which::seen), casters(of, truth, RayScene::Which::casters) {}
   PathPicture trace(const GBuffer& gbuffer, const Light& light, const PathOptions& options) const {
     return trace_paths({scene, all, casters}, gbuffer, light, options);
   }

@@ -67,7 +67,7 @@ TEST(ray_holes, a_hole_is_met_and_is_no_hit) {
   const auto mask = mask_of({"#...", ".#..", "..#.", "...#"});
   for (const double unit : units) {
     const Scene scene = card_over_ground(unit, mask);
-    const RayScene rays(scene, Truth::mesh, RayScene::Which::all);
+    const RayScene rays(scene, Truth::mesh, RayScene::Which::seen);
     for (int texel = 0; texel < 16; ++texel) {
       // Aside of the diagonal, so that one triangle is met.
       const glm::dvec3 from = unit * (over(texel, 3) + glm::dvec3(0.1, 0, 0));
@@ -124,9 +124,9 @@ TEST(ray_holes, only_meshes_that_are_traced_count) {
   EXPECT_TRUE(RayScene(scene, Truth::mesh, RayScene::Which::casters).has_alpha_masks());
   scene.meshes[1].casts = false;
   EXPECT_FALSE(RayScene(scene, Truth::mesh, RayScene::Which::casters).has_alpha_masks());
-  EXPECT_TRUE(RayScene(scene, Truth::mesh, RayScene::Which::all).has_alpha_masks());
+  EXPECT_TRUE(RayScene(scene, Truth::mesh, RayScene::Which::seen).has_alpha_masks());
   scene.meshes[1].alpha_mask = nullptr;
-  EXPECT_FALSE(RayScene(scene, Truth::mesh, RayScene::Which::all).has_alpha_masks());
+  EXPECT_FALSE(RayScene(scene, Truth::mesh, RayScene::Which::seen).has_alpha_masks());
 }
 
 /// The nearest triangle that is solid where the ray meets it, in double; nothing where float32 may decide: a border of a
@@ -171,7 +171,7 @@ TEST(ray_holes, the_closest_hit_is_that_of_all_triangles_in_double) {
     const auto mask = masked::any_mask(random, 40);
     Scene scene;
     scene.meshes = {masked::random_cards(random, 20, 2 * unit, unit, mask), hand_made::square(static_cast<float>(5 * unit), 0)};
-    const RayScene rays(scene, Truth::mesh, RayScene::Which::all);
+    const RayScene rays(scene, Truth::mesh, RayScene::Which::seen);
     for (int i = 0; i < 500; ++i) {
       const glm::dvec3 origin = unit * random.uniform(glm::dvec3(-3, 0.5, -3), glm::dvec3(3, 3, 3)),
                        way = unit * random.uniform(glm::dvec3(-1), glm::dvec3(1));

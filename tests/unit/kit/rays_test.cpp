@@ -44,7 +44,7 @@ TEST(met, names_all_triangles_on_the_way_and_no_exact_shape) {
   Scene scene;
   scene.meshes = {hand_made::square(2, -3), tessellate(Sphere{{0, 0, 0}, 1}, 24, "ball"), hand_made::square(2, 3)};
   for (const Truth truth : {Truth::shape, Truth::mesh}) {
-    const RayScene rays(scene, truth, RayScene::Which::all);
+    const RayScene rays(scene, truth, RayScene::Which::seen);
     int met[3] = {};
     for (const RayScene::Met& triangle : rays.met({0.3, -9, 0.1}, {0, 18, 0})) ++met[triangle.mesh];
     EXPECT_EQ(met[0], 1);
@@ -185,11 +185,11 @@ TEST(closest, is_the_same_triangle_whatever_the_unit_of_length) {
   std::mt19937 engine(3);
   Scene scene;
   scene.meshes = {small_world::random_soup(engine, 200, 1, -1, 1, 0.5f)};
-  const RayScene in_meters(scene, Truth::mesh, RayScene::Which::all);
+  const RayScene in_meters(scene, Truth::mesh, RayScene::Which::seen);
   for (const int power : {-60, -40, -12, 35, 50}) {
     Scene other = scene;
     for (glm::vec3& p : other.meshes[0].positions) p = std::ldexp(1.0f, power) * p;
-    const RayScene rays(other, Truth::mesh, RayScene::Which::all);
+    const RayScene rays(other, Truth::mesh, RayScene::Which::seen);
     Random random(4);
     int met = 0;
     for (int k = 0; k < 500; ++k) {

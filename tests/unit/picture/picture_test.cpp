@@ -166,7 +166,7 @@ struct Scored : Flat {
     const GBuffer& g = picture.gbuffer;
     Evidence evidence{g.width, g.height, classes, reference, mask, causes, &scene, &g, &light, nullptr};
     evidence.own_causes = own_causes;
-    evidence.kind = answer_kind(light);
+    evidence.kind = answer_kind(scene, light);
     return draw_errors(evidence, title);
   }
 };

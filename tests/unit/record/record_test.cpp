@@ -236,7 +236,7 @@ TEST(record, wrong_field_is_named_with_its_value_and_what_is_allowed) {
             "folder with scripts/convert_records");
   EXPECT_EQ(message("lights", Json::array()), "lights = [] is not an array of one light or more");
   EXPECT_EQ(message("answer", "fraction"), "answer = fraction is not binary, that of its lights");
-  EXPECT_EQ(message("answer", "soft"), "answer = \"soft\" is not one of binary, fraction, received");
+  EXPECT_EQ(message("answer", "soft"), "answer = \"soft\" is not one of binary, fraction, received, transmitted");
   EXPECT_EQ(message("stages", {{"build", {{"x"}}}}), "stages.build = \"x\" is not a number");
   EXPECT_EQ(message("gl", {{"upload_ms", true}}), "gl.upload_ms = true is not a number");
   const auto color = [&](const Json& value) { return message("own_causes", Json::array({{{"color", value}}})); };

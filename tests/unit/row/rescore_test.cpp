@@ -31,7 +31,7 @@ class RescoreTest : public testing::Test {
     record.technique = "shadow_map";
     record.light = scene_.lights.front().name;
     const Light* const lights[] = {&scene_.lights.front()};
-    describe_lights(record, lights);
+    describe_lights(record, scene_, lights);
     record.view = scene_.views.front().name;
     record.width = width, record.height = height;
     record.status = Status::ok;

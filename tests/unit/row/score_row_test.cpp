@@ -70,7 +70,7 @@ TEST(score_row, of_several_lights_counts_a_pixel_under_each_that_is_wrong) {
 
   Record record;
   const Light* const lights[] = {&row.measured.lights[0].light, &row.measured.lights[1].light};
-  describe_lights(record, lights);
+  describe_lights(record, row.scene, lights);
   EXPECT_EQ(record.answer, AnswerKind::received);
   put_score(record, score);
   EXPECT_EQ(record.lights[1].metrics, score.lights[1].metrics);

@@ -1,5 +1,6 @@
 // Parameter alpha of the techniques that draw maps: what decides about holes, and what it explains.
 #include <gnomon/kit/maps/alpha_setting.h>
+#include <gnomon/kit/maps/map_causes.h>
 #include <gnomon/kit/rays/gbuffer_maker.h>
 #include <gnomon/registry.h>
 #include <gtest/gtest.h>
@@ -60,7 +61,7 @@ class AlphaRules : public testing::Test {
   }
 
   static GBuffer picture(const Scene& scene, int width = 160, int height = 120) {
-    return make_gbuffer(scene, RayScene(scene, Truth::mesh, RayScene::Which::all), scene.views[0], width, height, Truth::mesh);
+    return make_gbuffer(scene, RayScene(scene, Truth::mesh, RayScene::Which::seen), scene.views[0], width, height, Truth::mesh);
   }
   static const Light& light_of(std::string_view id) {
     return id == "percentage_closer_soft" || id == "backprojected_map" ? lamp : sun;
@@ -189,7 +190,7 @@ TEST_F(AlphaRules, questions_leave_the_rule_as_it_is) {
 
 TEST_F(AlphaRules, both_causes_are_allowed_in_every_data_sheet) {
   EXPECT_NO_THROW(check_own_causes(registry().techniques()));
-  for (const char* id : maps) EXPECT_EQ(registry().technique(id).about.causes.size(), 2u) << id;
+  for (const char* id : maps) EXPECT_EQ(registry().technique(id).about.causes.size(), std::size(map_causes)) << id;
 }
 
 }  // namespace alpha_rules_test

@@ -47,7 +47,7 @@ INSTANTIATE_TEST_SUITE_P(All, ExactCut,
 const View from_aside{.eye = {5, 6, 7}, .target = {0, 0.5f, 0}};
 
 GBuffer seen_of(const Scene& scene, int width, int height) {
-  return make_gbuffer(scene, RayScene(scene, Truth::mesh, RayScene::Which::all), from_aside, width, height, Truth::mesh);
+  return make_gbuffer(scene, RayScene(scene, Truth::mesh, RayScene::Which::seen), from_aside, width, height, Truth::mesh);
 }
 
 // The point (1,0,1) sees the light (3,6,2) through (5/3, 2, 4/3) of the triangle: 8 x 8 texels a hole, 4 x 4 solid.

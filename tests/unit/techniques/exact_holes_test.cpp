@@ -151,7 +151,7 @@ struct Question {
     (on_lattice ? questions::scatter_on_lattice : hard_scenes::scatter)(scene, light, random, picture);
     seen = picture.gbuffer;
     if (round / 2 % 3 == 0)
-      seen = make_gbuffer(scene, RayScene(scene, Truth::mesh, RayScene::Which::all), view, 64, 48, Truth::mesh);
+      seen = make_gbuffer(scene, RayScene(scene, Truth::mesh, RayScene::Which::seen), view, 64, 48, Truth::mesh);
   }
 };
 

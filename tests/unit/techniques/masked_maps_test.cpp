@@ -59,7 +59,7 @@ class MaskedMaps : public testing::Test {
     return sum / count;
   }
   static GBuffer picture(const Scene& scene) {
-    return make_gbuffer(scene, RayScene(scene, Truth::mesh, RayScene::Which::all), scene.views[0], 192, 144, Truth::mesh);
+    return make_gbuffer(scene, RayScene(scene, Truth::mesh, RayScene::Which::seen), scene.views[0], 192, 144, Truth::mesh);
   }
 };
 

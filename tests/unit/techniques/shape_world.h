@@ -14,7 +14,7 @@ struct ShapeWorld {
   GBuffer gbuffer;
   ShapeWorld(Scene the_scene, const View& view, int width, int height)
       : scene(std::move(the_scene)),
-        everything(scene, Truth::shape, RayScene::Which::all),
+        everything(scene, Truth::shape, RayScene::Which::seen),
         casters(scene, Truth::shape, RayScene::Which::casters),
         gbuffer(make_gbuffer(scene, everything, view, width, height, Truth::shape)) {}
 

@@ -10,7 +10,7 @@ using namespace stencil_rig;
 class StencilCut : public Rig {
  protected:
   static GBuffer seen_of(const Scene& scene, const View& view) {
-    return gnomon::make_gbuffer(scene, RayScene(scene, Truth::mesh, RayScene::Which::all), view, 120, 80, Truth::mesh);
+    return gnomon::make_gbuffer(scene, RayScene(scene, Truth::mesh, RayScene::Which::seen), view, 120, 80, Truth::mesh);
   }
   static Scene random_scene(Random& random) {
     const int width = 1 + static_cast<int>(random.below(16)), height = 1 + static_cast<int>(random.below(16));

@@ -36,7 +36,7 @@ export const clamp = (value, least, most) => Math.max(least, Math.min(most, valu
 /** Different values in order of appearance. */
 export const distinct = (items) => [...new Set(items)];
 
-/** The answer at each pixel: "binary", a "fraction" of the light, or the share of the light "received" from several. */
+/** The answer at each pixel: "binary", a "fraction" of a light with area, the share "received" of several, or "transmitted". */
 export const answerOf = (row) => data.groups[row.group].answer;
 
 /** Whether errors of the row's pixels are differences of shares, not wrong pixels. */

@@ -10,6 +10,7 @@ const everywhere = [
   { value: "all-hard", text: "over all lights without area", accepts: (row) => answerOf(row) === "binary" },
   { value: "all-soft", text: "over all lights with area", accepts: (row) => answerOf(row) === "fraction" },
   { value: "all-several", text: "over all rows of several lights", accepts: (row) => answerOf(row) === "received" },
+  { value: "all-glass", text: "over all rows behind glass", accepts: (row) => answerOf(row) === "transmitted" },
 ];
 const choicesOfAll = (rows) => {
   const is_mixed = distinct(rows.map(answerOf)).length > 1;

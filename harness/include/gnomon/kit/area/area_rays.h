@@ -2,6 +2,8 @@
 #include <gnomon/kit/area/light_figure.h>
 #include <gnomon/kit/rays/rays.h>
 
+#include <bit>
+
 namespace gnomon {
 
 /// Independent scrambles of one sequence of places, whose spread is the standard error of what they find together.
@@ -15,8 +17,22 @@ struct Squares {
 /// What sixteen rays to a light found.
 struct FaceHits {
   std::uint32_t asked = 0;                     ///< bit k: place k is on the light and above the horizon
-  std::uint32_t blocked = 0;                   ///< of these
+  std::uint32_t blocked = 0;                   ///< of those asked: nothing of the light passes
+  std::uint32_t dimmed = 0;                    ///< of those asked: a part passes, through transmission
   alignas(64) std::array<float, 16> weight{};  ///< irradiance of each place asked, as LightFigure::weight but for a factor
+  alignas(64) std::array<float, 16> passed{};  ///< that part (red of three), of the rays in `dimmed` alone
+
+  /// What part of the light passes along ray k, which is asked.
+  double seen(int k) const {
+    if (dimmed >> k & 1) return passed[k];
+    return blocked >> k & 1 ? 0 : 1;
+  }
+  /// How many places asked are hidden: one that a part of the light comes from counts as what is missing.
+  double hidden_count() const {
+    double sum = std::popcount(blocked);
+    for (std::uint32_t left = dimmed; left; left &= left - 1) sum += 1.0 - passed[std::countr_zero(left)];
+    return sum;
+  }
 };
 
 /// How far a ray to a light with area starts off its surface: a quarter of what a ray to a point does. The higher a ray starts,
@@ -25,7 +41,8 @@ struct FaceHits {
 double area_ray_offset(const glm::vec3& point);
 
 /// Shadow rays from one point to places of a light with area, by the recipe of all shadow rays (docs/method.md) but for the
-/// start: the receiver left out, the end at the light.
+/// start: the receiver left out, the end at the light. Behind transmission the product of what the triangles let through, each
+/// looked up along the ray as it is traced.
 class FaceRays {
  public:
   /// From a pixel of a G-buffer. `figure` is that of the light from its point.
@@ -39,9 +56,15 @@ class FaceRays {
   FaceHits ask(const Squares& squares, std::uint32_t wanted = 0xffffu) const;
   /// The rays that `ask` would trace, for a bare loop beside which it is measured. Bit k: whether ray k is one of them.
   std::uint32_t aim_at(const Squares& squares, ShadowPacket& packet) const;
+  /// Whether rays may be dimmed: of a caster that is traced.
+  bool has_transmission() const { return has_transmission_; }
 
  private:
+  /// What rays that are asked find where casters have transmission.
+  void look_through(ShadowPacket& packet, FaceHits& hits) const;
+
   const RayScene& casters_;
+  const bool has_transmission_ = casters_.has_transmission();
   std::array<std::uint32_t, 16> mesh_, triangle_;
   /// center, half_u, half_v, normal and the figure's axis, then the ray's start and its lift: x, y, z each; then the horizon,
   /// the box's corner and size, 1 for a disc, and one over the unit of weights.

@@ -37,6 +37,9 @@ inline constexpr int most_bounces = 1000;
 
 /// Why all bounces in a scene would add up without end: "mesh M has an albedo of 1.2, ...". Nothing where they do not.
 std::optional<std::string> endless_bounces(const Scene& scene);
+/// Why all light of a scene cannot be traced: for its endless bounces, or for casters with transmission, which no light path
+/// goes through. Nothing where it can.
+std::optional<std::string> untraceable_light(const Scene& scene);
 
 /// All light that a lamp with area sends to the eye by way of surfaces that reflect diffusely, on both of their sides, with
 /// the albedo of their mesh (rendering equation, Kajiya 1986): the lamp has the radiance `intensity`, is no surface, and the
@@ -48,7 +51,8 @@ std::optional<std::string> endless_bounces(const Scene& scene);
 /// strongest albedo, and counts the more. Paths of a pixel are eight independent estimates, each by a sequence of Sobol of its
 /// own for the first shadow ray and the first way; what these differ by gives the standard error, of seven degrees of freedom.
 ///
-/// All threads; same arguments, same answer. `done` counts pixels as they are finished.
+/// All threads; same arguments, same answer. `done` counts pixels as they are finished. Throws Error on casters with
+/// transmission.
 PathPicture trace_paths(const LightSurfaces& surfaces, const GBuffer& gbuffer, const Light& light, const PathOptions& options,
                         std::atomic<std::size_t>* done = nullptr);
 

@@ -29,7 +29,8 @@ class PointTechnique : public Technique {
 
   /// Why a light with area is refused.
   virtual const char* why_no_area() const = 0;
-  /// The triangle that shades pixel `index` of the last resolve, which faces the light, or `nothing`.
+  /// The triangle that shades pixel `index` of the last resolve, which faces the light, or `nothing`; behind transmission alone
+  /// the first of those that let least through.
   virtual std::uint32_t shading_triangle(std::size_t index) const = 0;
 
   void remember(const Scene& scene) {

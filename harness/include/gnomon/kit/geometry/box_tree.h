@@ -17,7 +17,31 @@ struct SegmentSlabs {
         inverse(1.0 / to_light(segment.light, origin)),
         end(segment.light.w != 0 ? 1.0 : std::numeric_limits<double>::infinity()),
         upper{inverse.x < 0, inverse.y < 0, inverse.z < 0} {}
+
+  /// Whether it meets a box, grown by `reach` on all sides; sometimes also where it passes by. `side` is the lower and the
+  /// upper corner.
+  bool meets(const float (&side)[2][3], double reach) const;
 };
+
+/// Why it never misses, with e = 2^-53. Let the segment truly meet the box, at parameters from `near` to `far`, both within
+/// 0 .. end. Per axis, the distance to a side, the way to the light, its inverse and their product each round once, so a
+/// computed parameter is the true one times at most four factors (1 + d), |d| <= e (differences of floats do not underflow,
+/// and all values lie within 2^-278 .. 2^278). The larger and the smaller of such numbers, cut to 0 .. end, keep that
+/// bound: computed near <= near (1 + 4.1 e) <= far (1 + 4.1 e) <= computed far (1 + 9 e), below the factor 1 + 16 e used
+/// here. Along an axis without extent `inverse` is infinite, and a product is minus infinity where the point is on the inner
+/// side, plus infinity on the outer one (the other way about for leaving), and not a number for a point on the side itself;
+/// as the left operand of a comparison that is then false, it leaves near and far as they are.
+inline bool SegmentSlabs::meets(const float (&side)[2][3], double reach) const {
+  double near = 0, far = end;
+  for (int k = 0; k < 3; ++k) {
+    const double grow = upper[k] ? reach : -reach;
+    const double enter = (side[upper[k]][k] + grow - origin[k]) * inverse[k];
+    const double leave = (side[1 - upper[k]][k] - grow - origin[k]) * inverse[k];
+    near = enter > near ? enter : near;
+    far = leave < far ? leave : far;
+  }
+  return near <= far * (1 + 0x1p-49);
+}
 
 /// Boxes over boxes in one flat array, in depth-first order: a box that is missed is skipped together with all it holds, by one
 /// index, so a query needs neither recursion nor stack. Queries only ever err by giving too many items.
@@ -33,7 +57,7 @@ class BoxTree {
   /// one returns true; says whether one did. `reach` may shrink on the way. With reach 0 no item is ever missed.
   template <class Visit>
   bool any(const SegmentSlabs& segment, const double& reach, Visit&& visit) const {
-    return walk([&](const Node& node) { return meets(node, segment, reach); }, visit);
+    return walk([&](const Node& node) { return segment.meets(node.side, reach); }, visit);
   }
 
   /// Calls visit(place) for every item in a box for which meets(lower corner, upper corner) holds, and in all boxes around it;
@@ -67,26 +91,6 @@ class BoxTree {
       ++i;
     }
     return false;
-  }
-
-  /// Why it never misses, with e = 2^-53. Let the segment truly meet the box, at parameters from `near` to `far`, both within
-  /// 0 .. end. Per axis, the distance to a side, the way to the light, its inverse and their product each round once, so a
-  /// computed parameter is the true one times at most four factors (1 + d), |d| <= e (differences of floats do not underflow,
-  /// and all values lie within 2^-278 .. 2^278). The larger and the smaller of such numbers, cut to 0 .. end, keep that
-  /// bound: computed near <= near (1 + 4.1 e) <= far (1 + 4.1 e) <= computed far (1 + 9 e), below the factor 1 + 16 e used
-  /// here. Along an axis without extent `inverse` is infinite, and a product is minus infinity where the point is on the inner
-  /// side, plus infinity on the outer one (the other way about for leaving), and not a number for a point on the side itself;
-  /// as the left operand of a comparison that is then false, it leaves near and far as they are.
-  static bool meets(const Node& node, const SegmentSlabs& s, double reach) {
-    double near = 0, far = s.end;
-    for (int k = 0; k < 3; ++k) {
-      const double grow = s.upper[k] ? reach : -reach;
-      const double enter = (node.side[s.upper[k]][k] + grow - s.origin[k]) * s.inverse[k];
-      const double leave = (node.side[1 - s.upper[k]][k] - grow - s.origin[k]) * s.inverse[k];
-      near = enter > near ? enter : near;
-      far = leave < far ? leave : far;
-    }
-    return near <= far * (1 + 0x1p-49);
   }
 
   std::vector<Node> nodes_;

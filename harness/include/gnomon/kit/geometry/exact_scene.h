@@ -1,5 +1,6 @@
 #pragma once
 #include <gnomon/kit/geometry/box_tree.h>
+#include <gnomon/kit/geometry/crossings.h>
 #include <gnomon/kit/geometry/receiver.h>
 
 namespace gnomon {
@@ -8,6 +9,12 @@ struct ExactAnswer {
   bool blocked = false;
   bool degenerate = false;  ///< blocked, but only by edges or vertices that the segment goes through exactly
   bool operator==(const ExactAnswer&) const = default;
+};
+
+/// The same of a scene with transmission.
+struct ExactShare {
+  Crossings::Product light;  ///< that arrives: 0 exactly where an opaque caster blocks it
+  bool degenerate = false;   ///< as of ExactAnswer; or not blocked, and through an edge or vertex of what lets light through
 };
 
 /// Work of exact queries.
@@ -34,10 +41,16 @@ class ExactScene {
   explicit ExactScene(const Scene& scene);
 
   /// Whether a caster blocks the way to a homogeneous light. Triangles are closed: a way through an edge or a vertex is
-  /// blocked.
+  /// blocked. Those with transmission block nothing.
   ExactAnswer occluded(const Receiver& receiver, const glm::dvec4& light, ExactTally& tally) const;
 
-  /// The same for every pixel that faces the light, on all threads: 1 lit, 0 blocked, 1 where not facing.
+  /// What part of a homogeneous light arrives: 0 where it is blocked, else the product of what the triangles let through that
+  /// the way crosses.
+  ExactShare transmitted(const Receiver& receiver, const glm::dvec4& light, ExactTally& tally) const;
+  bool has_transmission() const { return has_transmission_; }
+
+  /// What part arrives (red of three) at every pixel that faces the light, on all threads: 1 lit, 0 blocked, 1 where not
+  /// facing.
   ExactTally decide(const GBuffer& gbuffer, const Light& light, std::span<float> visibility) const;
 
   /// Margin of a segment to the edges of the casters that can occlude the receiver, looking `limit` meters far. An edge between
@@ -57,6 +70,7 @@ class ExactScene {
   }
 
   const Scene* scene_;
+  bool has_transmission_ = false;
   BoxTree tree_;
   std::vector<Caster> casters_;  ///< in the order of the tree
 };

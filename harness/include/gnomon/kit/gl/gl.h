@@ -132,7 +132,8 @@ extern const std::string_view position_snippet;
 struct MeshRange {
   std::uint32_t first_vertex = 0, first_triangle = 0, triangle_count = 0;
   bool casts = true, receives = true;
-  bool has_holes = false;  ///< has an alpha mask
+  bool has_holes = false;     ///< has an alpha mask
+  bool lets_through = false;  ///< has a transmission
 };
 
 /// What decides whether a fragment of a caster with an alpha mask lies in a hole: the bit of its texel, which is the truth, or
@@ -153,22 +154,26 @@ struct HoleTest {
 struct SceneBuffers {
   Buffer positions;          ///< tightly packed vec3 float, the very floats of the Scene
   Buffer triangles;          ///< uint32
-  VertexArray vertex_array;  ///< attribute 0 = position, and the element buffer; 2 and 3 where there are alpha masks
-  Buffer uv;                 ///< vec2 float, attribute 2: places in alpha masks
+  VertexArray vertex_array;  ///< attribute 0 = position, and the element buffer; those below where there is a buffer
+  Buffer uv;                 ///< vec2 float, attribute 2: places in alpha masks and transmissions; empty where none count
   Buffer mask_of;            ///< int32, attribute 3: the number of the vertex's alpha mask; -1: it has none
   Buffer masks;              ///< what in_hole() reads for AlphaRule::texel; empty where no mesh has one
+  Buffer transmission_of;    ///< int32, attribute 4: the number of the vertex's transmission; -1: it has none
+  Buffer transmissions;      ///< what transmission_here() reads; empty where no mesh has one
   std::vector<MeshRange> meshes;
   std::size_t bytes = 0;
   /// Draws the triangles of these meshes, in order, by one call; neighbors are drawn as one. Leaves no vertex array bound.
   void draw(const std::vector<std::uint32_t>& which) const;
   /// For masked programs of the test's rule. Nothing where no mesh has an alpha mask.
   void bind_masks(const HoleTest& test = {}) const;
+  /// For programs with `transmission_fragment_snippet`. Nothing where no mesh has a transmission.
+  void bind_transmissions() const;
   /// Draws with the one program those without holes, then with the other those that have some: drivers decide depth early only
   /// where no fragment is discarded. Leaves the one for solid triangles current.
   void draw(const std::vector<std::uint32_t>& which, const class CasterPrograms& programs, const HoleTest& test = {}) const;
 };
 
-/// Attributes 2 and 3 for a vertex array of one's own over these buffers. Nothing where no mesh has an alpha mask.
+/// Attributes 2, 3 and 4 for a vertex array of one's own over these buffers, those that there are.
 void add_mask_attributes(const VertexArray& vertex_array, const SceneBuffers& buffers);
 
 /// The vertex and fragment shader of a pass over triangles as programs: one for those without holes, and for each rule one that
@@ -207,6 +212,15 @@ class CasterPrograms {
   std::array<Program, 3> masked_;
 };
 
+/// For the shaders of CasterPrograms over casters that let a part of the light through: the vertex shader calls
+///   void hand_on_transmission()
+/// and the fragment shader asks for
+///   float transmission_here()
+/// what the triangle lets through there (of colored ones the red part), 0 where the mesh has no transmission: the very float of
+/// the texel floor(uv * size), wrapped. Attributes 2 and 4; storage block 6, by `bind_transmissions`.
+extern const std::string_view transmission_vertex_snippet;
+extern const std::string transmission_fragment_snippet;
+
 /// For CasterPrograms that draw depth alone; `clip_from_world` is their only uniform.
 extern const std::string depth_vertex, depth_fragment;
 
@@ -232,7 +246,8 @@ struct GBufferTextures {
   double upload_ms = 0;
 };
 
-/// Depth (read-only for techniques) and stencil (theirs; of unknown content) of the whole scene, drawn with `position_snippet`.
+/// Depth (read-only for techniques) and stencil (theirs; of unknown content) of what the eye sees of the scene, drawn with
+/// `position_snippet`.
 /// A technique that sees shapes, on a G-buffer that shows them, gets the depth of what that G-buffer sees: curved shapes are
 /// left out of the drawing, and where the G-buffer shows one the depth is near_plane over the w that place() gives its point.
 struct DepthStencil {
@@ -274,7 +289,8 @@ void release_inputs();
 
 /// What ends `setup` of a GL technique: its stages on a tiny built-in scene, under each kind of light it supports. Drivers
 /// compile a shader at its first draw, in the very state of that draw, so only the stages themselves warm what the stages need.
-void warm_up(Technique& technique);
+/// With glass: one of its casters lets a part of the light through; for techniques that draw such casters otherwise.
+void warm_up(Technique& technique, bool with_glass = false);
 
 // --- State -----------------------------------------------------------------------------------------------------------------
 

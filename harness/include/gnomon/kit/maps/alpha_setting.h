@@ -41,21 +41,22 @@ class AlphaSetting {
 class AlphaDifference {
  public:
   /// `answer` and `by_texel` are a technique's answers by its rule and by the texel's, of the same picture. Of a wrong pixel
-  /// under a light without area the latter is right where it is on the other side of one half. Under a light with area it has a
-  /// part in the error where they differ by more than 1/16: a filter of that many texels changes by as much with one of them.
-  AlphaDifference(AlphaRule rule, std::span<const float> answer, std::span<const float> by_texel, bool has_area);
+  /// where light arrives or not the latter is right where it is on the other side of one half. Under a light with area, and in
+  /// a scene with transmission, the truth has `shares`: it has a part in the error where they differ by more than 1/16, for a
+  /// filter of that many texels changes by as much with one of them.
+  AlphaDifference(AlphaRule rule, std::span<const float> answer, std::span<const float> by_texel, bool has_shares);
   /// One of `alpha_causes`, or nothing.
   std::string_view cause(std::size_t pixel) const { return differs_[pixel] != 0 ? cause_ : ""; }
   /// The same; at the first question `draw` makes images by the texel's rule, and `answer` gives the masks of these and of
   /// `images`.
   template <class Images>
-  static std::string_view cause(std::optional<AlphaDifference>& difference, AlphaRule rule, bool has_area, std::size_t pixel,
+  static std::string_view cause(std::optional<AlphaDifference>& difference, AlphaRule rule, bool has_shares, std::size_t pixel,
                                 const Images& images, const auto& draw, const auto& answer) {
     if (!difference) {
       const StateGuard guard;
       Images by_texel;
       draw(by_texel);
-      difference.emplace(rule, answer(images), answer(by_texel), has_area);
+      difference.emplace(rule, answer(images), answer(by_texel), has_shares);
     }
     return difference->cause(pixel);
   }

@@ -1,6 +1,6 @@
 #pragma once
-#include <gnomon/kit/maps/alpha_setting.h>
 #include <gnomon/kit/maps/light_map.h>
+#include <gnomon/kit/maps/map_causes.h>
 #include <gnomon/kit/shared.h>
 
 namespace gnomon {
@@ -49,7 +49,7 @@ class AreaMap : public Technique {
   void relight(const Light& light) override;
   void resolve(const GBuffer& gbuffer, VisibilityMask& mask) override;
   Counts counts() const override;
-  /// Where `alpha` is a cause; nothing elsewhere.
+  /// Where `alpha` or `glass` is a cause; nothing elsewhere.
   std::optional<Explanation> explain(std::size_t index) const override;
   std::vector<DebugLayer> debug_layers() const override;
   std::vector<float> draw_debug(std::string_view layer) const override;
@@ -76,6 +76,7 @@ class AreaMap : public Technique {
       Number<double>(this, "depth_bias", 0.25, {.unit = "texel", .min = 0, .max = 64}, Stage::resolve,
                      "Beside the bias of the receiver's plane: along the image's axis, in widths of a texel at the point.");
   AlphaSetting alpha{this, Stage::relight};
+  GlassSetting glass{this};
 
   /// What all lights share: a member of it each technique passes to `another`.
   struct Made {
@@ -85,6 +86,7 @@ class AreaMap : public Technique {
     std::array<std::optional<Program>, 2> account_programs;
     Framebuffer framebuffer;
     const Scene* scene = nullptr;
+    GlassDifference glass_difference;
     // What questions need, in memory: of one object at a time.
     const AreaMap* read_of = nullptr;
     std::vector<float> depths;
@@ -104,6 +106,10 @@ class AreaMap : public Technique {
   bool faces(std::size_t index) const { return faces_light(*made_->scene, *gbuffer_, light_, index); }
   /// What of `alpha` explains an error of the last resolve; empty where nothing does.
   std::string_view alpha_cause(std::size_t index) const;
+  /// Names the cause of `glass` where it explains an error of the last resolve.
+  void explain_glass(Explanation& why, std::size_t index) const {
+    made_->glass_difference.explain(why, *gbuffer_, light_, index);
+  }
 
  private:
   /// Of all images.

@@ -1,5 +1,5 @@
 #pragma once
-#include <gnomon/kit/maps/alpha_setting.h>
+#include <gnomon/kit/maps/map_causes.h>
 #include <gnomon/kit/maps/map_comparison.h>
 #include <gnomon/kit/maps/stored_depth.h>
 #include <gnomon/kit/shared.h>
@@ -13,8 +13,9 @@ namespace gnomon {
 class ComparedMap : public Technique {
  public:
   Support supports(const Scene& scene, const Light& light, const View&) const override {
-    return alpha.limit(scene,
-                       light_map_support(light, resolution, comparison().margin(), MapComparison::constant_count, images()));
+    const Support support =
+        light_map_support(light, resolution, comparison().margin(), MapComparison::constant_count, images());
+    return glass.limit(scene, alpha.limit(scene, support));
   }
   void setup() override;
   void build(const Scene& scene) override;
@@ -50,6 +51,7 @@ class ComparedMap : public Technique {
     std::array<std::optional<Program>, light_projection_count> explain_programs;
     Framebuffer framebuffer;
     const Scene* scene = nullptr;
+    GlassDifference glass_difference;
     // What questions need, in memory: of one object at a time, for 64 lights' images fill a gigabyte.
     const ComparedMap* read_of = nullptr;
     std::vector<float> read_depths;        // of all layers, read at the first question after a relight
@@ -65,6 +67,7 @@ class ComparedMap : public Technique {
   Choice filter;
   Number<int> filter_radius;
   AlphaSetting alpha{this, Stage::relight};
+  GlassSetting glass{this};
 
   /// Biases are for one texel: a filter compares with texels farther away.
   MapComparison comparison() const;

@@ -1,6 +1,6 @@
 #pragma once
-#include <gnomon/kit/maps/alpha_setting.h>
 #include <gnomon/kit/maps/light_map.h>
+#include <gnomon/kit/maps/map_causes.h>
 #include <gnomon/kit/maps/prefilter.h>
 #include <gnomon/kit/shared.h>
 
@@ -72,6 +72,7 @@ class FilteredMap : public Technique {
   Number<double> leak_reduction = Number<double>(this, "leak_reduction", 0, {.unit = "", .min = 0, .max = 0.95}, Stage::resolve,
                                                  "Answers up to this are dark, and the rest is stretched to 0 .. 1.");
   AlphaSetting alpha{this, Stage::relight};
+  GlassSetting glass{this};
 
   /// What all lights share: a member of it each technique passes to `another`.
   struct Made {
@@ -83,6 +84,7 @@ class FilteredMap : public Technique {
     SummedAreaTable table;
     Framebuffer framebuffer;
     const Scene* scene = nullptr;
+    GlassDifference glass_difference;
     // What questions need, in memory: of one object at a time, for 64 lights' images fill a gigabyte.
     const FilteredMap* read_of = nullptr;
     std::vector<float> read_depths;
@@ -102,6 +104,8 @@ class FilteredMap : public Technique {
   std::vector<float> answer(const Images& images) const;
   /// What of `alpha` explains a wrong pixel of the last resolve; empty where nothing does.
   std::string_view alpha_cause(std::size_t index) const;
+  /// Taps and what comes with them, of a pixel that looks into this image.
+  Explanation explain_look_up(std::size_t index, const LightImage& image) const;
   void start_questions() const;
   Prefilter used_prefilter() const {
     const Blur::Weights weights = blur_weights.is("box") ? Blur::Weights::box : Blur::Weights::gaussian;

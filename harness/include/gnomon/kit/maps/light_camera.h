@@ -1,4 +1,5 @@
 #pragma once
+#include <gnomon/kit/maps/glass_setting.h>
 #include <gnomon/kit/maps/light_space.h>
 #include <gnomon/technique.h>
 
@@ -16,7 +17,8 @@ struct MeshBoxes {
   std::vector<MeshBox> meshes;
   double extent = 0;  ///< largest coordinate of the scene, meters
 };
-MeshBoxes mesh_boxes(const Scene& scene);
+/// Casters with transmission cast where they are taken for opaque.
+MeshBoxes mesh_boxes(const Scene& scene, GlassAs glass = GlassAs::opaque);
 
 /// A face of the light and its image. Window coordinates of a point are its place on the face; texel coordinates are
 /// window * scale + offset, row 0 on top. A warped image is seen in perspective: its texels are largest where window.y is, and

@@ -20,8 +20,9 @@ class DepthImages {
 
   /// Compiles; needs the context.
   void setup();
-  /// The scene must live as long as images of it are drawn. The rule is for `use_alpha`.
-  void build(const Scene& scene, AlphaRule rule = AlphaRule::texel);
+  /// The scene must live as long as images of it are drawn. The rule is for `use_alpha`. Casters with transmission are drawn
+  /// where they are taken for opaque.
+  void build(const Scene& scene, AlphaRule rule = AlphaRule::texel, GlassAs glass = GlassAs::opaque);
   const MeshBoxes& boxes() const { return boxes_; }
   /// Makes what a rule about holes needs, unless it is there: for stages in which the rule may change.
   void use_alpha(AlphaRule rule);

@@ -1,5 +1,6 @@
 #pragma once
 #include <gnomon/gbuffer.h>
+#include <gnomon/kit/geometry/crossings.h>
 
 #include <array>
 
@@ -44,12 +45,13 @@ struct Receivers {
 
 /// A scene in Embree, traced by the measured ray recipe (docs/method.md): robust mode; the receiver's own triangle is excluded
 /// by a filter; the origin is lifted by 8 * 2^-24 * max|P| along the normal. Exact curved shapes are traced exactly, in
-/// double; flat shapes are their triangles. Rays go through the holes of alpha masks (kit/geometry/holes.h). A scene whose
+/// double; flat shapes are their triangles. Rays go through the holes of alpha masks (kit/geometry/holes.h), and shadow rays
+/// through casters with transmission, which `crossed` alone reports. A scene whose
 /// largest coordinate is below 2^-10 m or above 2^30 m is traced scaled by a power of two; all arguments and results are in
 /// meters.
 class RayScene {
  public:
-  enum class Which { all, casters };
+  enum class Which { seen, casters };  ///< what the eye sees, or what casts
   RayScene(const Scene& scene, Truth truth, Which which);
 
   struct Hit {
@@ -59,8 +61,12 @@ class RayScene {
   };
   Hit closest(const glm::dvec3& origin, const glm::dvec3& direction) const;
 
-  /// Whether anything blocks each of the packet's rays; bit k of the result is ray k. Lanes off in `valid` answer 0.
+  /// Whether anything opaque blocks each of the packet's rays; bit k of the result is ray k. Lanes off in `valid` answer 0.
   std::uint32_t occluded(std::uint32_t valid, ShadowPacket& packet, const Receivers& receivers) const;
+
+  /// The same. And `crossings[k]` becomes the solid triangles with transmission that ray k meets; of a blocked ray, some.
+  std::uint32_t crossed(std::uint32_t valid, ShadowPacket& packet, const Receivers& receivers,
+                        std::span<Crossings, ray_lanes> crossings) const;
 
   struct Blocked {
     std::uint32_t at_all = 0;   ///< as `occluded` answers
@@ -75,16 +81,19 @@ class RayScene {
     std::uint32_t mesh, triangle;
   };
   /// Every triangle that the segment from `origin` to `origin` + `way` meets, as float32 sees it, in its holes, too; no exact
-  /// curved shapes.
+  /// curved shapes, and nothing with transmission.
   std::vector<Met> met(const glm::dvec3& origin, const glm::dvec3& way) const;
 
-  /// Which of the triangles traced share an edge. The first call finds it.
+  /// Which of the triangles traced share an edge, those with transmission left out. The first call finds it.
   const EdgeAdjacency& adjacency() const;
 
   /// Bytes that Embree holds for this scene as one thread builds it. The first call does so once more, which takes its time.
   std::size_t bytes() const;
-  /// Whether a mesh that is traced has an alpha mask.
+  /// The scene that is traced.
+  const Scene& scene() const;
+  /// Whether a mesh that is traced has an alpha mask, and whether one has transmission.
   bool has_alpha_masks() const;
+  bool has_transmission() const;
   /// Library, instruction sets, flags and ray recipe, for certificates.
   std::string description() const;
   /// The Embree scene, for a bare loop beside which ours is measured.
@@ -100,10 +109,16 @@ class RayScene {
 std::uint32_t fill_packet(const Scene& scene, const GBuffer& gbuffer, const Light& light, std::size_t first,
                           ShadowPacket& packet);
 
-/// One shadow ray per pixel that faces the light, packets of 16 on all threads: 1 lit, 0 blocked, 1 where not facing.
-/// Returns the number of rays.
+/// One shadow ray per pixel that faces the light, packets of 16 on all threads: 1 lit, 0 blocked, 1 where not facing. Behind
+/// transmission the product of what the triangles let through (red of three), each looked up from the pixel's point and the
+/// light, in double; into `surfaces`, where it is not empty, how many take a part of the light. Returns the number of rays.
 std::size_t trace_shadows(const RayScene& casters, const Scene& scene, const GBuffer& gbuffer, const Light& light,
-                          std::span<float> visibility);
+                          std::span<float> visibility, std::span<std::uint8_t> surfaces = {});
+/// In `surfaces`: an opaque caster hides the light. Counts end before it.
+inline constexpr std::uint8_t blocked_surfaces = 255;
+/// The same of opaque casters alone.
+std::size_t trace_opaque_shadows(const RayScene& casters, const Scene& scene, const GBuffer& gbuffer, const Light& light,
+                                 std::span<float> visibility);
 
 /// How far a shadow ray starts off its surface: 8 * 2^-24 * the largest absolute coordinate of `point`, meters.
 double ray_offset(const glm::vec3& point);

@@ -29,6 +29,10 @@ struct VolumeProgram {
   }
 };
 
+/// What n surfaces that each let `transmission` of the light through leave of it together: its powers for n = 0, 1, 2 and so
+/// on, computed in double and rounded once to float32. Ends at n = most, or at the first power that is 0.
+std::vector<float> powers_of(float transmission, std::size_t most);
+
 class VolumeCounter {
  public:
   enum class Pass { stencil, wide, layer };
@@ -47,6 +51,9 @@ class VolumeCounter {
   void end() const;
   /// Ends counting: mask 0 where the count is not zero and the pixel faces the light, else 1. Not in Pass::layer.
   void write_mask(const GBufferTextures& gbuffer, const Light& light, VisibilityMask& mask);
+  /// Ends counting: multiplies the mask by powers[count] where the pixel faces the light. `powers` holds floats, see
+  /// powers_of, and the last one stands for larger counts. Not in Pass::layer.
+  void multiply_mask(const GBufferTextures& gbuffer, const Light& light, const Buffer& powers, VisibilityMask& mask);
 
   /// After a wide pass, by pixel: the count, and how many faces were counted to get it.
   struct WideCount {
@@ -67,8 +74,9 @@ class VolumeCounter {
   std::size_t wide_bytes() const { return wide_.bytes; }
 
  private:
-  Program mask_program_, wide_mask_program_;
+  Program mask_program_, wide_mask_program_, glass_program_, wide_glass_program_;
   Framebuffer framebuffer_;
+  GLuint depth_stencil_ = 0;  // of the last `begin`
   Texture wide_, layer_;
   Pass pass_ = Pass::stencil;
   CountWhere where_ = CountWhere::before_surface;

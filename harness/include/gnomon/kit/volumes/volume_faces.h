@@ -136,7 +136,9 @@ class FaceDrawer {
   }
   /// Light caps, and dark ones unless volumes end in one point.
   void draw_caps(const VolumeCounter& counter) const;
-  /// The two draws of light caps alone, with a program of one's own; `reversed` turns both about.
+  /// Light caps alone. Before the surface they count where the eye does not see the caster.
+  void draw_light_caps(const VolumeCounter& counter) const;
+  /// Their two draws, with a program of one's own; `reversed` turns both about.
   void draw_light_caps(const VolumeCounter& counter, const VolumeProgram& program, bool reversed = false) const;
   /// One command, `offset` into FaceCommands, with a program that `program` made.
   void draw_arrays(const VolumeCounter& counter, const VolumeProgram& program, VolumeFace face, std::size_t offset) const;

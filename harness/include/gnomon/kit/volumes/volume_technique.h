@@ -26,15 +26,19 @@ class VolumeTechnique : public Technique {
   virtual const Silhouette& silhouette() const { return silhouette_; }
   /// Of what the techniques share, for the count "bytes". The wide picture where the mask is counted in it.
   std::size_t bytes() const {
-    const std::size_t shared_bytes = made_->adjacency.bytes() + (wide_ ? made_->counter.wide_bytes() : 0);
+    const std::size_t shared_bytes = made_->adjacency.bytes() + (keeps_wide() ? made_->counter.wide_bytes() : 0);
     return static_cast<std::size_t>(made_.own(static_cast<double>(shared_bytes))) + silhouette().bytes() + faces_.bytes();
   }
   /// What the stencil cannot tell, by a pass in 32 bits that is thrown away.
   VolumeCounter::Work measure_work() const;
-  Pass mask_pass() const { return wide_ ? Pass::wide : Pass::stencil; }
+  static Pass pass_of(bool wide) { return wide ? Pass::wide : Pass::stencil; }
+  Pass mask_pass() const { return pass_of(wide_); }
+  /// Whether a mask counts in the wide picture, so that it stays from one to the next.
+  virtual bool keeps_wide() const { return wide_; }
   const FarPlanes* ends() const { return ends_early_ ? &made_->far_planes : nullptr; }
-  /// Binds the faces to the drawer as `gbuffer_` sees them; `positions` are those of its adjacency.
-  void bind_faces(const Buffer& positions) const;
+  /// Binds faces to the drawer as `gbuffer_` sees them; `positions` are those of their adjacency.
+  void bind_faces(const Buffer& positions, const FaceBuffers& faces) const;
+  void bind_faces(const Buffer& positions) const { bind_faces(positions, faces_); }
 
   struct Made {
     VolumeCounter counter;

@@ -1,0 +1,341 @@
+// Scenes with glass from files and descriptions: what lets how much through, what is seen, and what is refused.
+#include <gnomon/kit/geometry/holes.h>
+#include <gnomon/kit/geometry/shapes.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <fstream>
+
+#include "error_words.h"
+#include "measure/exchange/mask_png.h"
+#include "measure/scene/base_scene.h"
+#include "measure/scene/byte_shares.h"
+#include "measure/scene/load.h"
+#include "measure/scratch_folder.h"
+
+namespace transmission_load_test {
+
+using namespace gnomon;
+using namespace error_words;
+namespace fs = std::filesystem;
+
+using Bytes = std::vector<std::uint8_t>;
+
+std::string png(int width, int channels, const Bytes& texels) {
+  const auto bytes = png_of(width, static_cast<int>(texels.size()) / (width * channels), channels, texels);
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+
+const std::string plane = "[[shape]]\nkind = \"plane\"\ncenter = [0, 0, 0]\nnormal = [0, 0, 1]\nsize = [2, 2]\n";
+const std::string sphere = "[[shape]]\nkind = \"sphere\"\ncenter = [0, 1, 0]\nradius = 1\n";
+const std::string pane = "[[mesh]]\nfile = \"pane.obj\"\n", gltf = "[[mesh]]\nfile = \"a.gltf\"\n";
+
+/// A folder with pane.obj, a square whose material has d = 0.25.
+struct Folder {
+  ScratchFolder scratch = ScratchFolder::temporary("gnomon_glass");
+  Folder() {
+    write("pane.obj",
+          "mtllib pane.mtl\nv -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nusemtl pane\n"
+          "f 1/1 2/2 3/3 4/4\n");
+    write("pane.mtl", "newmtl pane\nd 0.25\n");
+    write("half.png", png(2, 1, {51, 204}));
+  }
+  void write(const std::string& name, const std::string& bytes) const {
+    std::ofstream(scratch.path() / name, std::ios::binary) << bytes;
+  }
+  Scene read(const std::string& toml) const {
+    write("test.toml", toml);
+    return read_scene_toml(scratch.path() / "test.toml");
+  }
+  std::string error(const std::string& toml) const {
+    return error_of([&] { read(toml); });
+  }
+  /// A triangle of glTF with this material; its images are 0.png, 1.png and 2.png. uv are the first numbers of its corners.
+  void write_gltf(const std::string& material, const std::string& corners = "0") const {
+    std::string bytes;
+    for (const float number : {0.f, 0.f, 0.f, 1.f, 0.f, 0.f, 0.f, 1.f, 0.f})
+      bytes.append(reinterpret_cast<const char*>(&number), sizeof(number));
+    write("a.bin", bytes);
+    write("a.gltf", R"({"asset":{"version":"2.0"},"nodes":[{"mesh":0}],
+      "meshes":[{"primitives":[{"material":0,"attributes":{"POSITION":0,"TEXCOORD_)" +
+                        corners + R"(":1}}]}],"materials":[{)" + material +
+                        R"(}],"textures":[{"source":0},{"source":1},{"source":2}],
+      "images":[{"uri":"0.png"},{"uri":"1.png"},{"uri":"2.png"}],"buffers":[{"uri":"a.bin","byteLength":36}],
+      "bufferViews":[{"buffer":0,"byteLength":36}],
+      "accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3"},
+                   {"bufferView":0,"componentType":5126,"count":3,"type":"VEC2"}]})");
+  }
+  std::shared_ptr<const Transmission> of_gltf(const std::string& material) const {
+    write_gltf(material);
+    return read(gltf).meshes.at(0).transmission;
+  }
+};
+
+std::vector<float> values(const Scene& scene, std::size_t mesh = 0) {
+  const auto& glass = scene.meshes.at(mesh).transmission;
+  return glass ? std::vector<float>(glass->values().begin(), glass->values().end()) : std::vector<float>();
+}
+std::vector<float> values(const std::shared_ptr<const Transmission>& glass) {
+  return {glass->values().begin(), glass->values().end()};
+}
+
+std::string thin(const std::string& color, const std::string& more = "") {
+  return R"("extensions":{"KHR_materials_transmission":{"transmissionFactor":0.9}},"pbrMetallicRoughness":{"metallicFactor":0,
+      "baseColorFactor":)" +
+         color + "}" + more;
+}
+
+// --- glTF
+
+// Transmission 0.9 of the color (1, 0.2, 0.1); behind (0.1, 0.8, 0.2) the product; half of it blended: 1/2 + t/2.
+TEST(TransmissionLoad, colors_of_gltf_are_those_on_paper) {
+  const Folder folder;
+  const auto first = folder.of_gltf(thin("[1,0.2,0.1,1]"));
+  EXPECT_EQ(values(first), (std::vector<float>{0.9f, 0.18f, 0.09f}));
+  EXPECT_EQ(folder.of_gltf(thin("[1,0.2,0.1,0.5]"))->at(0, 0), first->at(0, 0)) << "an opaque material has the alpha 1";
+  EXPECT_EQ(folder.of_gltf(thin("[1,0.2,0.1,0.5]", R"(,"alphaMode":"BLEND")"))->at(0, 0), glm::vec3(0.95f, 0.59f, 0.545f));
+  const Scene second = folder.read(plane + "transmission = [0.1, 0.8, 0.2]\n");
+  const glm::dvec3 product = glm::dvec3(first->at(0, 0)) * glm::dvec3(second.meshes.at(0).transmission->at(0, 0));
+  const glm::dvec3 on_paper(0.09, 0.144, 0.018);
+  for (int c = 0; c < 3; ++c) EXPECT_NEAR(product[c], on_paper[c], 2.1 * 0x1p-24 * on_paper[c]) << "two factors, rounded once";
+}
+
+TEST(TransmissionLoad, blend_is_one_minus_alpha_of_each_byte) {
+  const Folder folder;
+  Bytes texels;
+  for (int a = 0; a < 256; ++a) texels.insert(texels.end(), {9, static_cast<std::uint8_t>(a)});
+  folder.write("0.png", png(16, 2, texels));
+  const auto glass = folder.of_gltf(
+      R"("alphaMode":"BLEND","pbrMetallicRoughness":{"baseColorFactor":[1,1,1,0.3],"baseColorTexture":{"index":0}})");
+  ASSERT_EQ(glass->channels(), 1);
+  for (int a = 0; a < 256; ++a)
+    EXPECT_EQ(glass->at(a % 16, a / 16).x, static_cast<float>(1 - 0.3 * (a / 255.0))) << a << ": rounded once";
+  EXPECT_EQ(values(folder.of_gltf(R"("alphaMode":"BLEND","pbrMetallicRoughness":{"baseColorFactor":[1,1,1,0.7]})")),
+            std::vector<float>{static_cast<float>(1 - 0.7)});
+}
+
+// t = transmission * red of its image * (1 - blue of the metal's image) * color as sRGB.
+TEST(TransmissionLoad, images_of_gltf_are_combined_on_the_finer_grid) {
+  const Folder folder;
+  folder.write("0.png", png(1, 3, {255, 128, 0}));
+  folder.write("1.png", png(2, 3, {255, 7, 7, 51, 9, 9}));
+  folder.write("2.png", png(1, 3, {7, 7, 51, 9, 9, 255}));
+  const auto glass = folder.of_gltf(
+      R"("extensions":{"KHR_materials_transmission":{"transmissionFactor":0.5,"transmissionTexture":{"index":1}}},
+         "pbrMetallicRoughness":{"baseColorTexture":{"index":0},"baseColorFactor":[1,0.5,1,1],
+                                 "metallicFactor":0.5,"metallicRoughnessTexture":{"index":2}})");
+  ASSERT_EQ(glass->width(), 2);
+  ASSERT_EQ(glass->height(), 2);
+  for (int y = 0; y < 2; ++y)
+    for (int x = 0; x < 2; ++x) {
+      const double through = 0.5 * (x == 0 ? 1 : 0.2) * (1 - 0.5 * (y == 0 ? 0.2 : 1));
+      const glm::vec3 expected(through, through * 0.5 * srgb_shares()[128], 0);
+      EXPECT_LT(glm::length(glass->at(x, y) - expected), 1e-7f) << x << ' ' << y;
+    }
+  EXPECT_NEAR(srgb_shares()[128], 0.21586, 1e-5);  // ((128/255 + 0.055) / 1.055)^2.4
+}
+
+// The grid of a texture of which all texels are full is not that of the result.
+TEST(TransmissionLoad, a_white_image_changes_nothing) {
+  const Folder folder;
+  folder.write("0.png", png(3, 2, Bytes(6, 255)));
+  EXPECT_EQ(values(folder.of_gltf(
+                R"("extensions":{"KHR_materials_transmission":{"transmissionFactor":0.9}},
+                   "pbrMetallicRoughness":{"baseColorTexture":{"index":0},"metallicFactor":0})")),
+            std::vector<float>{0.9f});
+}
+
+TEST(TransmissionLoad, a_metal_and_a_full_alpha_are_opaque) {
+  const Folder folder;
+  EXPECT_FALSE(folder.of_gltf(R"("extensions":{"KHR_materials_transmission":{"transmissionFactor":1}})"));
+  const Scene metal = folder.read(gltf);
+  EXPECT_TRUE(metal.meshes[0].seen);
+  EXPECT_TRUE(has_note(metal, "a.gltf: 1 meshes are of transparent material of which no texel lets light through"));
+  folder.write_gltf(R"("alphaMode":"BLEND","pbrMetallicRoughness":{"baseColorFactor":[1,1,1,0]})");
+  const Scene nothing = folder.read(gltf);
+  EXPECT_EQ(values(nothing), std::vector<float>{1});
+  EXPECT_TRUE(has_note(nothing, "a.gltf: 1 meshes let all light through; they stop none"));
+}
+
+TEST(TransmissionLoad, a_mask_decides_where_the_glass_of_gltf_is) {
+  const Folder folder;
+  folder.write("0.png", png(2, 2, {255, 255, 255, 0}));
+  folder.write_gltf(R"("alphaMode":"MASK","pbrMetallicRoughness":{"baseColorTexture":{"index":0},"metallicFactor":0},
+      "extensions":{"KHR_materials_transmission":{"transmissionFactor":0.9}})");
+  const Scene scene = folder.read(gltf);
+  ASSERT_TRUE(scene.meshes.at(0).alpha_mask);
+  EXPECT_EQ(scene.meshes[0].alpha_mask->coverage(), 0.5);
+  EXPECT_EQ(values(scene), std::vector<float>{0.9f});
+  EXPECT_FALSE(folder.read(gltf + "transmission = false\n").has_transmission());
+  EXPECT_EQ(values(folder.read(gltf + "masks = false\n")), std::vector<float>{0.9f});
+}
+
+// --- OBJ and what a description says of a file
+
+TEST(TransmissionLoad, an_obj_lets_one_minus_d_through_and_is_not_seen) {
+  const Folder folder;
+  Scene scene = folder.read(pane);
+  EXPECT_EQ(values(scene), std::vector<float>{0.75f});
+  EXPECT_FALSE(scene.meshes[0].seen);
+  EXPECT_TRUE(scene.meshes[0].uv.empty());
+  EXPECT_FALSE(scene.meshes[0].is_closed());
+  EXPECT_TRUE(scene.notes.empty()) << scene.notes.front();
+  finish_scene(scene, "test");
+  EXPECT_TRUE(folder.read(pane + "seen = true\n").meshes.at(0).seen);
+  EXPECT_EQ(values(folder.read(pane + "transmission = true\n")), std::vector<float>{0.75f});
+}
+
+TEST(TransmissionLoad, a_description_replaces_or_drops_what_a_file_says) {
+  const Folder folder;
+  EXPECT_EQ(values(folder.read(pane + "transmission = 0.3\n")), std::vector<float>{0.3f});
+  EXPECT_EQ(values(folder.read(pane + "transmission = [0, 0.5, 1]\n")), (std::vector<float>{0, 0.5f, 1}));
+  const Scene textured = folder.read(pane + "transmission = \"half.png\"\n");
+  EXPECT_EQ(values(textured), (std::vector<float>{0.2f, 0.8f}));
+  // Straight down at the left and the right half.
+  const auto through = [&](double x) {
+    const std::uint32_t triangle = 0.1 < x ? 0 : 1;  // cut from (-1, -1) to (1, 1)
+    return transmission_along(textured.meshes.at(0), triangle, {x, 0.1, 5}, {0, 0, -1}).x;
+  };
+  EXPECT_EQ(through(-0.5), 0.2f);
+  EXPECT_EQ(through(0.5), 0.8f);
+  for (const char* keys : {"transmission = false\n", "transmission = 0\n"}) {
+    const Scene opaque = folder.read(pane + keys);
+    EXPECT_FALSE(opaque.meshes.at(0).transmission) << keys;
+    EXPECT_TRUE(opaque.meshes[0].seen) << keys;
+  }
+  EXPECT_TRUE(has_note(folder.read(pane + "transmission = false\n"), "2 triangles are of transparent material"));
+  folder.write("pane.mtl", "newmtl pane\n");
+  EXPECT_EQ(values(folder.read(pane + "transmission = \"half.png\"\n")), (std::vector<float>{0.2f, 0.8f}));
+}
+
+TEST(TransmissionLoad, a_masked_obj_transmits_where_it_is_solid) {
+  const Folder folder;
+  folder.write("pane.mtl", "newmtl pane\nd 0.25\nmap_d leaf.png\n");
+  folder.write("leaf.png", png(2, 1, {255, 0}));
+  const Scene scene = folder.read(pane + "transmission = \"half.png\"\n");
+  EXPECT_EQ(scene.meshes.at(0).alpha_mask->coverage(), 0.5);
+  EXPECT_EQ(values(scene), (std::vector<float>{0.2f, 0.8f}));
+  EXPECT_EQ(values(folder.read(pane)), std::vector<float>{0.75f});
+  EXPECT_EQ(scene.meshes[0].uv.size(), 4u);
+}
+
+TEST(TransmissionLoad, equal_glass_is_one_object) {
+  const Folder folder;
+  const Scene scene =
+      folder.read(plane + "transmission = \"half.png\"\n" + pane + "transmission = \"half.png\"\n" + pane + pane);
+  EXPECT_EQ(scene.meshes.at(0).transmission, scene.meshes.at(1).transmission);
+  EXPECT_EQ(scene.meshes.at(2).transmission, scene.meshes.at(3).transmission);
+}
+
+TEST(TransmissionLoad, exact_duplicates_are_merged_and_others_stay) {
+  const Folder folder;
+  folder.write("pane.obj",
+               "mtllib pane.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 0\nv 0 0 1\nusemtl pane\nf 1 2 3\nf 3 2 4\nf 1 2 5\n");
+  const Scene scene = folder.read(pane);
+  EXPECT_EQ(scene.meshes.at(0).triangles.size(), 2u) << "the second is the first from behind";
+  EXPECT_TRUE(has_note(scene, "pane.obj: 1 triangles of meshes that let light through are exact duplicates of others"));
+  EXPECT_EQ(folder.read(pane + "transmission = false\n").meshes.at(0).triangles.size(), 3u);
+}
+
+// --- shapes of descriptions
+
+TEST(TransmissionLoad, shapes_take_a_number_three_or_a_plane_an_image) {
+  const Folder folder;
+  const Scene gray = folder.read(plane + "transmission = 0.4\n");
+  EXPECT_EQ(values(gray), std::vector<float>{0.4f});
+  EXPECT_TRUE(!gray.meshes.at(0).seen && gray.meshes[0].shape && gray.meshes[0].uv.empty());
+  EXPECT_TRUE(folder.read(plane + "transmission = 0.4\nseen = true\n").meshes.at(0).seen);
+  EXPECT_EQ(values(folder.read(plane + "transmission = [0.25, 0.25, 0.25]\n")), std::vector<float>{0.25f});
+  folder.write("colors.png", png(1, 3, {51, 102, 255, 0, 0, 0}));
+  EXPECT_EQ(values(folder.read(plane + "transmission = \"colors.png\"\n")), (std::vector<float>{0.2f, 0.4f, 1, 0, 0, 0}));
+  const Scene opaque = folder.read(plane + "transmission = 0\n");
+  EXPECT_TRUE(opaque.meshes.at(0).seen && !opaque.meshes[0].transmission);
+  folder.write("black.png", png(1, 1, {0}));
+  EXPECT_TRUE(
+      has_note(folder.read(plane + "transmission = \"black.png\"\n"), "its transmission black.png lets no light through"));
+  EXPECT_TRUE(has_note(folder.read(plane + "transmission = 1\n"), "it lets all light through"));
+}
+
+TEST(TransmissionLoad, a_plane_shows_its_image_upright_from_the_side_of_its_normal) {
+  const Folder folder;
+  const Mesh mesh = folder.read(plane + "transmission = \"half.png\"\n").meshes.at(0);
+  ASSERT_EQ(mesh.uv.size(), mesh.positions.size());
+  for (std::size_t v = 0; v < mesh.uv.size(); ++v)
+    EXPECT_EQ(mesh.uv[v], glm::vec2((mesh.positions[v].x + 1) / 2, (1 - mesh.positions[v].y) / 2)) << v;
+}
+
+TEST(TransmissionLoad, a_curved_shape_of_glass_is_its_triangles) {
+  const Folder folder;
+  Scene scene = folder.read(sphere + "transmission = 0.5\n");
+  EXPECT_TRUE(scene.meshes.at(0).shape);
+  finish_scene(scene, "here");
+  EXPECT_FALSE(scene.meshes.at(0).shape);
+  EXPECT_TRUE(has_note(scene, "has a transmission: its triangles are taken, not its exact shape"));
+}
+
+// --- bad input
+
+TEST(TransmissionLoad, refuses_numbers_outside_of_0_to_1) {
+  const Folder folder;
+  for (const std::string& table : {plane, sphere, pane})
+    for (const char* value : {"-0.1", "1.1", "[0.5, 2, 0.5]"})
+      expect_words(folder.error(table + "transmission = " + value + "\n"), {".transmission = ", "within 0 .. 1", "test.toml:"});
+  expect_words(folder.error(pane + "transmission = [0.5, 0.5]\n"), {"mesh.transmission", "an array of 2"});
+  folder.write("pane.mtl", "newmtl pane\nd 1.5\n");
+  expect_words(folder.error(pane), {"pane.obj: mesh 'pane'", "alpha of 1.5", "within 0 .. 1", "transmission = false"});
+  EXPECT_EQ(folder.error(pane + "transmission = false\n"), "");
+  for (const char* color : {"[1,-0.2,0,1]", "[1,1.5,0,1]"}) {
+    folder.write_gltf(thin(color));
+    expect_words(folder.error(gltf), {"a.gltf: mesh", "its color of", "within 0 .. 1"});
+  }
+  folder.write_gltf(R"("alphaMode":"BLEND","pbrMetallicRoughness":{"baseColorFactor":[1,1,1,-1]})");
+  expect_words(folder.error(gltf), {"a.gltf: mesh", "alpha of -1"});
+  folder.write_gltf(R"("extensions":{"KHR_materials_transmission":{"transmissionFactor":1.25}})");
+  expect_words(folder.error(gltf), {"a.gltf: mesh", "transmission of 1.25"});
+  folder.write_gltf(
+      R"("extensions":{"KHR_materials_transmission":{"transmissionFactor":1}},"pbrMetallicRoughness":{"metallicFactor":-2})");
+  expect_words(folder.error(gltf), {"a.gltf: mesh", "metallic factor of -2"});
+}
+
+TEST(TransmissionLoad, refuses_to_show_what_is_opaque) {
+  const Folder folder;
+  for (const char* seen : {"seen = true\n", "seen = false\n"}) {
+    expect_words(folder.error(plane + seen), {"plane.seen", "allowed without a transmission", "test.toml:6"});
+    for (const std::string& table : {plane, pane})
+      expect_words(folder.error(table + "transmission = 0\n" + seen), {".seen = ", "beside a transmission of false or 0"});
+  }
+  folder.write("black.png", png(1, 1, {0}));
+  expect_words(folder.error(plane + "transmission = \"black.png\"\nseen = true\n"), {"plane.seen", "lets no light through"});
+  folder.write("pane.mtl", "newmtl pane\n");
+  expect_words(folder.error(pane + "seen = false\n"), {"pane.obj", "has no mesh that lets light through"});
+}
+
+TEST(TransmissionLoad, refuses_images_that_it_cannot_read_or_place) {
+  const Folder folder;
+  for (const char* flag : {"true", "false"})
+    expect_words(folder.error(plane + "transmission = " + flag + "\n"), {"plane.transmission", "an image of a plane"});
+  expect_words(folder.error(sphere + "transmission = \"half.png\"\n"), {"sphere.transmission = 'half.png'", "a plane alone"});
+  for (const std::string& table : {plane, pane}) {
+    expect_words(folder.error(table + "transmission = \"gone.png\"\n"), {"gone.png", "does not exist", "test.toml:"});
+    folder.write("bad.png", "no image");
+    expect_words(folder.error(table + "transmission = \"bad.png\"\n"), {"bad.png", "cannot be read", "test.toml:"});
+  }
+  const std::string blend = R"("alphaMode":"BLEND","pbrMetallicRoughness":{"baseColorTexture":{"index":0}})";
+  folder.write("0.png", "no image");
+  folder.write_gltf(blend);
+  expect_words(folder.error(gltf), {"a.gltf: mesh", "its transmission", "0.png", "cannot be read", "transmission = false"});
+  EXPECT_EQ(folder.error(gltf + "transmission = 0.5\n"), "");
+  folder.write("0.png", png(2, 2, {9, 0, 9, 255}));
+  folder.write_gltf(blend, "1");
+  expect_words(folder.error(gltf), {"a.gltf: mesh", "vertex 0", "has no texture coordinates", "a transmission of an image",
+                                    "transmission = false loads it as opaque"});
+}
+
+TEST(TransmissionLoad, a_generated_mesh_must_have_a_place_for_each_vertex) {
+  const Folder folder;
+  Scene scene = folder.read(plane + "transmission = \"half.png\"\n");
+  scene.meshes[0].uv.pop_back();
+  expect_words(error_of([&] { finish_scene(scene, "here"); }), {"3 of its 4 vertices", "its transmission", "here"});
+}
+
+}  // namespace transmission_load_test
