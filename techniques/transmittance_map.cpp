@@ -17,7 +17,8 @@ constexpr About about{
     .error =
         "With keep=all none for the ray of a texel: only the image's resolution errs, as of a shadow map. With keep=error it is "
         "off by `tolerance` at most on that ray; keep=nodes has no bound, and errs by too much light alone. Lists are as long "
-        "as the scene is deep: memory grows with it.",
+        "as the scene is deep: memory grows with it. At edges a texel may hold glass that the ray through its center misses: "
+        "that is named curve.",
     .fails = "Smoke of many layers on a large image: a list for each texel.",
     .needs_gl = true,
     .floor = Floor::depth_draw,

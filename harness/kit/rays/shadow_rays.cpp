@@ -174,7 +174,7 @@ std::size_t trace_shadows(const RayScene& casters, const Scene& scene, const GBu
                      : glm::vec3(1);
         });
         answers[k] = static_cast<float>(product.share.x);
-        crossed = static_cast<std::uint8_t>(std::min(product.surfaces, blocked_surfaces - 1));
+        if (product.share.x > 0) crossed = static_cast<std::uint8_t>(std::min(product.surfaces, blocked_surfaces - 1));
       }
       if (!surfaces.empty()) surfaces[i] = crossed;
     }

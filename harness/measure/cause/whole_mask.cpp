@@ -4,6 +4,7 @@
 #include <gnomon/kit/parallel.h>
 
 #include <algorithm>
+#include <set>
 
 #include "measure/cause/soft_causes.h"
 
@@ -30,7 +31,7 @@ class Finder {
   std::optional<WholeMask> find() {
     if (error_before_.back() == 0) return std::nullopt;
     std::vector<WholeMask> candidates{best_shift(), best_blur()};
-    if (a_.reference.kind != AnswerKind::binary) candidates.push_back(best_gamma());  // 0 and 1 stay what they are
+    if (has_levels()) candidates.push_back(best_gamma());
     for (const Change change : {Change::upside_down, Change::mirrored, Change::turned, Change::inverted})
       candidates.push_back({.change = change});
     WholeMask* best = nullptr;
@@ -47,6 +48,15 @@ class Finder {
  private:
   using Change = WholeMask::Change;
 
+  /// Whether a power would change the reference, and in more than one way: 0 and 1 stay what they are, and of one or two
+  /// shares behind glass any error is some power.
+  bool has_levels() const {
+    if (a_.reference.kind != AnswerKind::transmitted) return a_.reference.kind != AnswerKind::binary;
+    std::set<float> levels;
+    for (std::size_t i = 0; i < truth_.size() && levels.size() < 3; ++i)
+      if (is_tested(i) && truth_[i] > 0 && truth_[i] < 1) levels.insert(truth_[i]);
+    return levels.size() >= 3;
+  }
   bool is_tested(std::size_t i) const { return a_.reference.classes[i] == PixelClass::T; }
   std::size_t at(int x, int y) const { return static_cast<std::size_t>(y) * width_ + x; }
   double error(std::size_t i) const { return std::abs(static_cast<double>(a_.mask[i]) - truth_[i]); }

@@ -33,6 +33,9 @@ std::size_t reference_pixel(AnswerKind kind) {
   return kind == AnswerKind::fraction ? soft_pixel : kind == AnswerKind::transmitted ? transmitted_pixel : hard_pixel;
 }
 
+/// Raised when references of scenes with transmission hold other things.
+constexpr int glass_version = 2;
+
 /// Raised when trace_soft answers otherwise.
 constexpr int soft_version = 4;
 
@@ -121,6 +124,7 @@ std::string FrameStore::hash(const FrameKey& key, const Light* light, const Area
     const bool is_soft = has_area(*light);
     fingerprint.name +=
         is_soft ? fmt::format(" soft {} {} {}", soft_version, target.error, target.cap) : fmt::format(" {}", snapping_version);
+    if (scene_.has_transmission()) fingerprint.name += fmt::format(" glass {}", glass_version);
     if (!is_soft && subpixel_bits != usual_subpixel_bits) fingerprint.name += fmt::format(" {} bits", subpixel_bits);
     fingerprint.lights = {*light};
   }

@@ -221,6 +221,9 @@ void finish_scene(Scene& scene, const std::string& where) {
   }
   if (dropped > 0) scene.notes.push_back(fmt::format("{} triangles without area are dropped", dropped));
   std::erase_if(scene.meshes, [](const Mesh& mesh) { return mesh.triangles.empty(); });
+  for (const Mesh& mesh : scene.meshes)
+    if (!mesh.casts && !mesh.seen)
+      scene.notes.push_back(fmt::format("mesh '{}' neither casts nor is seen: it changes nothing", mesh.name));
   // A file that is placed many times says the same each time.
   std::set<std::string> said;
   std::erase_if(scene.notes, [&](const std::string& note) { return !said.insert(note).second; });

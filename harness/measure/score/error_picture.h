@@ -31,8 +31,11 @@ struct ErrorMark {
   double weight = 1;  ///< of the kind's color over the scene's gray
 };
 
-/// Whether errors are differences of shares, not wrong pixels: under a light with area, and of several lights together.
-inline bool is_soft(const Evidence& evidence) { return evidence.kind != AnswerKind::binary; }
+/// Whether errors are differences of shares, not wrong pixels: under a light with area, and of several lights together; behind
+/// glass where no causes are known, which only wrong pixels have.
+inline bool is_soft(const Evidence& evidence) {
+  return has_cause_errors(evidence.kind) || (evidence.kind == AnswerKind::transmitted && evidence.causes.empty());
+}
 
 /// The kind of a pixel's error, however small; with causes -1 where it has none.
 inline int kind_of(const Evidence& evidence, std::size_t i) {

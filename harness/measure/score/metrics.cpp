@@ -64,7 +64,9 @@ std::optional<double> instability(const Scoring& scoring) {
   const Evidence &now = scoring.evidence(), *before = now.previous;
   if (!before || before->mask.size() != now.mask.size()) return std::nullopt;
   std::size_t tested = 0, flips = 0;
-  const auto flip = [](float a, float b) { return is_lit(a) != is_lit(b); };
+  const auto flip = [&](float a, float b) {
+    return now.kind == AnswerKind::transmitted ? gnomon::is_wrong(a, b, now.kind) : is_lit(a) != is_lit(b);
+  };
   for (std::size_t i = 0; i < now.mask.size(); ++i) {
     if (now.classes[i] != PixelClass::T || before->classes[i] != PixelClass::T) continue;
     ++tested;
@@ -146,13 +148,15 @@ constexpr MetricInfo metric_rows[] = {
      "Error of the best mask of one value everywhere. A row that does not beat it is never called best.", constant_error},
     {"wrong_rate", "", "lower",
      "Share of T whose visibility is off by more than one half, or is one half where the reference is lit. Where casters let a "
-     "part of the light through, off by more than 1/20.",
+     "part of a light without area through, off by more than 1/20.",
      [](const Scoring& s) { return share(s.error_counts().wrong, s.error_counts().tested); }},
     {"wrong_rate_all", "", "lower", "Wrong rate over every pixel that faces the light (T, G, S and U).",
      [](const Scoring& s) { return share(s.error_counts().wrong_facing, s.error_counts().facing); }},
-    {"false_dark_rate", "", "lower", "Share of T that is dark where the reference is lit.",
+    {"false_dark_rate", "", "lower",
+     "Share of T that is dark where the reference is lit; behind glass too dark by more than 1/20.",
      [](const Scoring& s) { return share(s.error_counts().false_dark, s.error_counts().tested); }},
-    {"false_lit_rate", "", "lower", "Share of T that is lit where the reference is dark.",
+    {"false_lit_rate", "", "lower",
+     "Share of T that is lit where the reference is dark; behind glass too light by more than 1/20.",
      [](const Scoring& s) { return share(s.error_counts().false_lit, s.error_counts().tested); }},
     {"error_floor", "", "",
      "Error that the reference's noise alone makes under a light with area: the error of half of its rays against all of "

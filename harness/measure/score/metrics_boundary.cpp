@@ -13,8 +13,22 @@ namespace {
 /// The dark side of the boundary alone: with both sides marked, an edge displaced by k pixels would be found k - 1/2 away.
 std::vector<std::uint8_t> shadow_rim(const Evidence& e, std::span<const float> mask) {
   std::vector<std::uint8_t> marked = shadow_boundary(mask, e.classes, e.width, e.height, e.kind);
-  for (std::size_t i = 0; i < marked.size(); ++i) marked[i] &= !is_lit(mask[i]);
-  return marked;
+  if (e.kind != AnswerKind::transmitted) {
+    for (std::size_t i = 0; i < marked.size(); ++i) marked[i] &= !is_lit(mask[i]);
+    return marked;
+  }
+  // Any two shares may have an edge between them: the darker one of each pair of neighbors is its dark side.
+  std::vector<std::uint8_t> rim(marked.size());
+  const auto compare = [&](std::size_t i, std::size_t j) {
+    if (marked[i] && marked[j] && is_wrong(mask[i], mask[j], e.kind)) rim[mask[i] < mask[j] ? i : j] = 1;
+  };
+  for (int y = 0; y < e.height; ++y)
+    for (int x = 0; x < e.width; ++x) {
+      const std::size_t i = static_cast<std::size_t>(y) * e.width + x;
+      if (x + 1 < e.width) compare(i, i + 1);
+      if (y + 1 < e.height) compare(i, i + e.width);
+    }
+  return rim;
 }
 
 }  // namespace

@@ -96,6 +96,7 @@ std::optional<double> measure_noise(const Evidence& e, const PixelWindows& windo
 }  // namespace
 
 Softness measure_softness(const Evidence& e) {
+  if (e.kind == AnswerKind::transmitted) return {};  // what lies between is behind glass, in no penumbra
   std::vector<std::uint8_t> penumbra(e.mask.size());
   std::size_t umbra_ours = 0, umbra_theirs = 0, penumbra_ours = 0, penumbra_theirs = 0;
   for (std::size_t i = 0; i < e.mask.size(); ++i) {

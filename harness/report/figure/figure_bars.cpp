@@ -188,7 +188,7 @@ void draw_causes(std::span<const Record> records, FigureScript& script) {
   for (std::size_t k = 0; k < bars.size(); ++k)
     script.add("set label {} at 101.5,{} left textcolor rgb '#222222'",
                FigureScript::quoted(measured(100 * shares[k].error) + " %"), k + 1);
-  const auto is_hard_row = [](const Record* row) { return row->answer == AnswerKind::binary; };
+  const auto is_hard_row = [](const Record* row) { return !has_cause_errors(row->answer); };
   const bool is_hard = std::ranges::all_of(bars, [&](const Bar& bar) { return std::ranges::all_of(bar.rows, is_hard_row); });
   script.add("set label 'error' at 101.5,0.2 left textcolor rgb '#666666'");
   script.add("set yrange [{}:-0.2]", static_cast<double>(bars.size()) + 0.6);

@@ -158,9 +158,11 @@ void add_shorthands(Layout& layout, std::span<const Record> records, bool has_nu
       say("clocks", fmt::format("device and host contradict each other in {} row{}: do not trust their times (column clocks)",
                                 count, count == 1 ? "" : "s"));
   add("error", "error", "mean difference from the reference over the tested pixels; rows are judged by it");
-  add("wrong_rate", "wrong", "share of the tested pixels that are dark where the reference is lit, or lit where it is dark");
-  add("transmittance_error_rms", "wrong, glass",
-      "where casters let a part of the light through, wrong is off by more than 1/20");
+  if (any_is(records, AnswerKind::binary))
+    add("wrong_rate", "wrong", "share of the tested pixels that are dark where the reference is lit, or lit where it is dark");
+  if (any_is(records, AnswerKind::transmitted))
+    add("wrong_rate", "wrong behind glass",
+        "share of the tested pixels that are off by more than 1/20; false dark: too dark by so much");
   if (has_metric(records, "constant_error")) say("best constant mask", constant_note);
   add("light_error_max", "worst light", "the largest error of one light's mask");
   add("received_error_rms", "received error rms",

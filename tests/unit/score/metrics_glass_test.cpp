@@ -80,6 +80,28 @@ TEST(metrics_glass, what_is_within_two_pixels_of_a_jump_is_apart) {
   EXPECT_FALSE(row.metric("transmittance_error_at_jumps"));
 }
 
+// An edge between any two shares is displaced by as much as the mask's is: 1 to 0.75, and 0.4 to 0.1, by two pixels.
+TEST(metrics_glass, displacement_is_between_edges_of_any_shares) {
+  for (const auto& [light, dark] : {std::pair(1.0f, 0.75f), {0.4f, 0.1f}}) {
+    Row row;
+    for (std::size_t k = 0; k < 8; ++k) {
+      row.reference[k] = k < 3 ? light : dark;
+      row.mask[k] = k < 5 ? light : dark;
+    }
+    row.classes.back() = PixelClass::B;
+    EXPECT_EQ(row.metric("displacement_mean"), 2.0) << light;
+    row.mask = row.reference;
+    EXPECT_EQ(row.metric("displacement_mean"), 0.0) << light;
+  }
+}
+
+// Half the light behind a sheet is no penumbra.
+TEST(metrics_glass, glass_has_no_penumbra) {
+  Row row;
+  for (const char* name : {"penumbra_error_mean", "outside_error_mean", "penumbra_noise", "penumbra_area_ratio"})
+    EXPECT_FALSE(row.metric(name)) << name;
+}
+
 TEST(metrics_glass, a_pixel_is_wrong_that_is_off_by_more_than_a_twentieth) {
   for (const auto& [mask, reference, expected] : {std::tuple(0.5f, 0.375f, true),
                                                   {0.42f, 0.375f, false},

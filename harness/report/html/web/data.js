@@ -39,8 +39,8 @@ export const distinct = (items) => [...new Set(items)];
 /** The answer at each pixel: "binary", a "fraction" of a light with area, the share "received" of several, or "transmitted". */
 export const answerOf = (row) => data.groups[row.group].answer;
 
-/** Whether errors of the row's pixels are differences of shares, not wrong pixels. */
-export const isSoft = (row) => answerOf(row) !== "binary";
+/** Whether errors of the row's pixels are differences of shares, not wrong pixels: every pixel that is off has a cause. */
+export const isSoft = (row) => ["fraction", "received"].includes(answerOf(row));
 
 /** By how much the row's error is below that of the best constant mask; infinite where the row lacks one of them. */
 export const gainOverConstant = (row) => {
