@@ -20,7 +20,8 @@ constexpr About about{
     .needs_gl = true,
     .floor = Floor::depth_draw,
     .handles = with_gray_transmission,
-    .causes = glass_map_causes};
+    .causes = glass_map_causes,
+    .named_only = true};
 
 class FourierOpacity final : public GlassSums {
   Choice terms = Choice(this, "terms", "7", {"3", "7", "15"}, Stage::setup,

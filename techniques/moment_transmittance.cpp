@@ -22,7 +22,8 @@ constexpr About about{
     .needs_gl = true,
     .floor = Floor::depth_draw,
     .handles = with_gray_transmission,
-    .causes = glass_map_causes};
+    .causes = glass_map_causes,
+    .named_only = true};
 
 class MomentTransmittance final : public GlassSums {
   Number<double> moment_bias = Number<double>(

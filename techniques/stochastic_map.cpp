@@ -28,7 +28,8 @@ constexpr About about{
     .needs_gl = true,
     .floor = Floor::depth_draw,
     .handles = with_gray_transmission,
-    .causes = causes};
+    .causes = causes,
+    .named_only = true};
 
 constexpr std::string_view draw_snippet = R"(
 uniform int cover_image, cover_item, cover_count, cover_seed, cover_first_triangle;

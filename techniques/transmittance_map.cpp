@@ -23,7 +23,8 @@ constexpr About about{
     .needs_gl = true,
     .floor = Floor::depth_draw,
     .handles = with_gray_transmission,
-    .causes = curve_causes};
+    .causes = curve_causes,
+    .named_only = true};
 
 class TransmittanceMap final : public GlassMap {
   Choice keep =

@@ -22,8 +22,7 @@ class Crossings {
   std::span<const Crossed> sorted() {
     if (crossed_.size() > 1) {
       std::ranges::sort(crossed_);
-      const auto left = std::ranges::unique(crossed_);
-      crossed_.erase(left.begin(), left.end());
+      crossed_.erase(std::unique(crossed_.begin(), crossed_.end()), crossed_.end());
     }
     return crossed_;
   }
