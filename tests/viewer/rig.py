@@ -133,6 +133,10 @@ class Saved:
     def has(self, name):
         return self.window["controls"].get(name, {}).get("visible", False)
 
+    def rows_of(self, combo, seen=True):
+        """The items of an open list: those that are to be seen, or all."""
+        return [name for name in self.window["controls"] if name.startswith(combo + ".") and (self.has(name) or not seen)]
+
     def light_pixel(self):
         """Where the picture shows a light with a position: column and row, not rounded."""
         return self.pixel_of(self.light["position"])
@@ -272,8 +276,18 @@ class Viewer:
     def choose(self, saved, combo, item):
         """Opens a list with the mouse and clicks one of its items."""
         self.use(saved, combo)
-        opened = self.until(lambda s: s.has(f"{combo}.{item}"), f"the list of {combo}")
-        self.use(opened, f"{combo}.{item}")
+        wanted = f"{combo}.{item}"
+        opened = self.until(lambda s: s.rows_of(combo), f"the list of {combo}")
+        # A list that is longer than the window is scrolled by the wheel, as far as it goes.
+        for _ in opened.rows_of(combo, seen=False):
+            if opened.has(wanted):
+                break
+            seen = opened.rows_of(combo)
+            self.move(*opened.control(seen[0]))
+            is_below = opened.window["controls"][wanted]["y"] > opened.window["controls"][seen[0]]["y"]
+            self.xdo("click", 5 if is_below else 4)
+            opened = self.save()
+        self.use(opened, wanted)
 
     def resize(self, width, height):
         self.xdo("windowsize", "--sync", self.window, width, height)

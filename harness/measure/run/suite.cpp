@@ -92,39 +92,55 @@ std::vector<Contender> read_contenders(const Table& group, const toml::table& ra
 }
 
 /// Labels those rows of a sweep whose `name()` leaves out a swept parameter, because its value is the default:
-/// "shadow_map:resolution=1024" beside "shadow_map:resolution=256". They are the same jobs as without the label.
-void name_defaults(std::vector<Contender>& contenders, std::span<const std::unique_ptr<Technique>> techniques) {
-  // Rows of one technique, and of one object within it: `of.count` of one `of` is not that of another.
-  const auto key_of = [](const Technique& technique, const Parameter& row) {
-    const std::size_t dot = row.name().rfind('.');
-    const std::string owner(dot == std::string_view::npos ? "" : technique.parameter(row.name().substr(0, dot)).text());
-    return std::string(technique.id()).append(" ").append(row.name()).append(" ").append(owner);
-  };
-  // By such a key, the value that a parameter has in the first row; none where another row has another.
-  std::unordered_map<std::string, std::optional<std::string>> fixed;
-  struct Value {
-    const std::optional<std::string>* fixed;
-    std::string text;
-  };
-  std::vector<Value> values;  // of all parameters of all techniques
-  for (const auto& technique : techniques)
-    for (const Parameter* const row : technique->parameters()) {
-      values.push_back({nullptr, row->text()});
-      const auto [entry, is_first] = fixed.try_emplace(key_of(*technique, *row), values.back().text);
-      if (!is_first && entry->second != values.back().text) entry->second.reset();
-      values.back().fixed = &entry->second;
+/// "shadow_map:resolution=1024" beside "shadow_map:resolution=256". They are the same jobs as without the label. A sweep has up
+/// to 100,000 rows: of each it keeps the values, not the technique.
+class SweepNames {
+ public:
+  /// The next row.
+  void add(const Technique& technique) {
+    rows_.push_back(values_.size());
+    for (const Parameter* const parameter : technique.parameters()) {
+      Value& value = values_.emplace_back(Value{nullptr, parameter->text(), false});
+      const auto [entry, is_first] = swept_.try_emplace(key_of(technique, *parameter));
+      Swept& swept = entry->second;
+      if (is_first) swept = {std::string(parameter->name()), value.text, false};
+      swept.varies |= swept.first != value.text;
+      value.of = &swept;
+      value.is_default = value.text == parameter->default_text();
     }
-  auto value = values.begin();
-  for (std::size_t k = 0; k < contenders.size(); ++k) {
-    std::vector<std::string> shown;
-    for (const Parameter* const row : techniques[k]->parameters()) {
-      if (!*value->fixed || value->text != row->default_text()) shown.push_back(fmt::format("{}={}", row->name(), value->text));
-      ++value;
-    }
-    const std::string name = contenders[k].technique + (shown.empty() ? "" : ":") + joined(shown, ",");
-    if (name != contenders[k].name()) contenders[k].label = name;
   }
-}
+  void label(std::vector<Contender>& contenders) const {
+    for (std::size_t k = 0; k < contenders.size(); ++k) {
+      std::vector<std::string> shown;
+      for (std::size_t v = rows_[k], end = k + 1 < rows_.size() ? rows_[k + 1] : values_.size(); v < end; ++v)
+        if (const Value& value = values_[v]; value.of->varies || !value.is_default)
+          shown.push_back(fmt::format("{}={}", value.of->name, value.text));
+      const std::string name = contenders[k].technique + (shown.empty() ? "" : ":") + joined(shown, ",");
+      if (name != contenders[k].name()) contenders[k].label = name;
+    }
+  }
+
+ private:
+  struct Swept {
+    std::string name, first;  ///< the value in the first row
+    bool varies = false;      ///< another row has another
+  };
+  struct Value {
+    const Swept* of;
+    std::string text;
+    bool is_default;
+  };
+  /// Of rows of one technique, and of one object within it: `of.count` of one `of` is not that of another.
+  static std::string key_of(const Technique& technique, const Parameter& parameter) {
+    const std::size_t dot = parameter.name().rfind('.');
+    const std::string owner(dot == std::string_view::npos ? "" : technique.parameter(parameter.name().substr(0, dot)).text());
+    return std::string(technique.id()).append(" ").append(parameter.name()).append(" ").append(owner);
+  }
+
+  std::unordered_map<std::string, Swept> swept_;
+  std::vector<Value> values_;      ///< of all parameters of all rows
+  std::vector<std::size_t> rows_;  ///< where each begins
+};
 
 }  // namespace
 
@@ -158,15 +174,16 @@ std::vector<Contender> parse_contenders(const std::string& text, const std::stri
   const std::vector<std::string> plain = expand_braces(text);
   if (plain.size() > 1 && !label.empty()) throw Error("label {} would name {} rows of the sweep {}", label, plain.size(), text);
   std::vector<Contender> contenders;
-  std::vector<std::unique_ptr<Technique>> techniques;
+  SweepNames names;
   for (const std::string& one : plain) {
     const std::size_t colon = one.find(':');
     const std::string id = one.substr(0, colon);
-    techniques.push_back(registry().technique(id).make());
-    if (colon != std::string::npos) techniques.back()->apply(one.substr(colon + 1));
-    contenders.push_back({id, techniques.back()->settings(), label, false});
+    const std::unique_ptr<Technique> technique = registry().technique(id).make();
+    if (colon != std::string::npos) technique->apply(one.substr(colon + 1));
+    contenders.push_back({id, technique->settings(), label, false});
+    names.add(*technique);
   }
-  name_defaults(contenders, techniques);
+  names.label(contenders);
   return contenders;
 }
 
