@@ -81,8 +81,8 @@ class SmokeCards final : public SceneGenerator {
         const double cloud = 0.4 + 0.8 * coarse.at(place) + 0.4 * fine.at(place);  // 1 in the mean
         values.push_back(static_cast<float>(std::exp(-depth * fade * cloud)));
       }
-    using enum Transmission::Wrap;
-    return std::make_shared<const Transmission>(texels, texels, 1, std::move(values), clamp, clamp);
+    return std::make_shared<const Transmission>(texels, texels, 1, std::move(values), Transmission::Wrap::clamp,
+                                                Transmission::Wrap::clamp);
   }
 
   /// Cards of 1.2 m around places in an ellipsoid, 2 m high, above the stove.

@@ -26,8 +26,7 @@ inline std::vector<float> transmissions_in(const Scene& scene) {
   for (const Mesh& mesh : scene.meshes)
     if (const float t = transmission_of(mesh); mesh.casts && t > 0 && t < 1) all.push_back(t);
   std::ranges::sort(all);
-  const auto left = std::ranges::unique(all);
-  all.erase(left.begin(), left.end());
+  all.erase(std::unique(all.begin(), all.end()), all.end());
   return all;
 }
 
