@@ -7,6 +7,8 @@
 //               over one image that is fitted and drawn as well.
 // virtual_map   Beside shadow_map:fit=view at as many texels or more: what pages, their table and their lists cost over images
 //               that are fitted and drawn whole.
+// glass_map     Relight and resolve of maps that hold what several surfaces let through, beside a depth map that takes them for
+//               opaque, at the same resolution: what lists, samples, moments and terms cost over one depth.
 #include <benchmark/benchmark.h>
 #include <gnomon/kit/gl/gl_pass.h>
 
@@ -26,7 +28,7 @@ struct Way {
   std::string id, settings = {};
 };
 
-void resolve(benchmark::State& state, const Picture& picture, const Way& contender_way, const Way& floor_way) {
+void time_stage(benchmark::State& state, Stage stage, const Picture& picture, const Way& contender_way, const Way& floor_way) {
   process_context();
   const Scene scene = load_scene(picture.scene);
   const Light& light = named_or_first(scene.lights, picture.light);
@@ -36,12 +38,16 @@ void resolve(benchmark::State& state, const Picture& picture, const Way& contend
   const auto contender = made(contender_way.id, contender_way.settings, scene, light);
   const auto floor = made(floor_way.id, floor_way.settings, scene, light);
   VisibilityMask mask(gbuffer.width, gbuffer.height), other(gbuffer.width, gbuffer.height);
-  alternate(
-      state, [&] { contender->resolve(gbuffer, mask); }, [&] { floor->resolve(gbuffer, other); });
+  if (stage == Stage::relight)
+    alternate(
+        state, [&] { contender->relight(light); }, [&] { floor->relight(light); });
+  else
+    alternate(
+        state, [&] { contender->resolve(gbuffer, mask); }, [&] { floor->resolve(gbuffer, other); });
 }
 
 void add(const std::string& name, const Picture& picture, const Way& contender, const Way& floor) {
-  add_timed(name, resolve, picture, contender, floor);
+  add_timed(name, time_stage, Stage::resolve, picture, contender, floor);
 }
 
 [[maybe_unused]] const bool is_registered = [] {
@@ -67,6 +73,11 @@ void add(const std::string& name, const Picture& picture, const Way& contender, 
        {std::tuple("fence", "point", 1024), {"fence", "sun", 1600}, {"box_city", "point", 1400}, {"colonnade", "point", 1000}})
     add(fmt::format("virtual_map/resolve/{}/{}", scene, light), {.scene = scene, .light = light}, {"virtual_map"},
         {"shadow_map", fmt::format("bias=receiver_plane,fit=view,resolution={}", resolution)});
+  for (const std::string scene : {"glass_stack", "smoke_cards"})
+    for (const std::string id : {"transmittance_map", "stochastic_map", "moment_transmittance", "fourier_opacity"})
+      for (const Stage stage : {Stage::relight, Stage::resolve})
+        add_timed(fmt::format("glass_map/{}/{}/{}", name(stage), id, scene), time_stage, stage,
+                  Picture{.scene = scene, .light = "sun"}, Way{id}, Way{"shadow_map", "resolution=1024,glass=opaque"});
   return true;
 }();
 
