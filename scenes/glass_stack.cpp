@@ -18,7 +18,7 @@ class GlassStack final : public SceneGenerator {
                               0,
                               {.min = 0, .max = 1},
                               Stage::build,
-                              "What part of the light each sheet lets through; 0: 0.5, 0.75 and 0.2 in turn."};
+                              "What part of the light each sheet lets through. With 0 they differ: 0.5, 0.75 and 0.2 in turn."};
   Flag glass{this, "glass", true, Stage::build, "Whether the sheets let light through; else they are opaque."};
 
  public:

@@ -71,6 +71,13 @@ std::uint32_t add_image_file(MeshFile& answer, const fs::path& file, const ReadF
   return number;
 }
 
+std::uint32_t add_broken_image(MeshFile& answer, const std::string& name, const std::string& why) {
+  MaskImage& image = answer.mask_images.emplace_back();
+  image.name = name;
+  image.failure = why;
+  return static_cast<std::uint32_t>(answer.mask_images.size() - 1);
+}
+
 void need_vertex(const std::string& where, std::size_t face, double index, std::size_t vertex_count) {
   if (!(index >= 0 && index < static_cast<double>(vertex_count) && index == std::floor(index)))
     throw Error("{}: face {} names vertex {:.16g}, out of range: allowed are 0 .. {}", where, face, index,

@@ -5,6 +5,8 @@
 #include <glm/gtc/type_ptr.hpp>
 #include <numeric>
 
+#include "measure/formats/readers.h"
+
 namespace gnomon::importing {
 
 /// One primitive of one node's mesh.
@@ -236,7 +238,7 @@ void GltfMeshes::read_textures(const Primitive& primitive, const Json& material,
       read();
     } catch (const Error& error) {
       mesh.uv.clear();
-      image = textures_.broken(where, error.what());
+      image = add_broken_image(answer_, where, error.what());
     }
   };
   const Json* places = nullptr;
@@ -246,6 +248,9 @@ void GltfMeshes::read_textures(const Primitive& primitive, const Json& material,
   });
   attempt(mesh.transmission.alpha_image, [&] { mesh.transmission = textures_.transmission(material, where, color, places); });
   mesh.is_transparent |= mesh.transmission.is_there();
+  const bool is_blended = file_.text(material, "alphaMode") == "BLEND";
+  if ((is_blended || mesh.transmission.transmission != 0) && !mesh.transmission.has_image())
+    mesh.has_texture = false;  // a note says that its image is not there
   const bool is_glass = mesh.transmission.is_there() && !mesh.mask.has_image();
   attempt(is_glass ? mesh.transmission.alpha_image : mesh.mask.image,
           [&] { add_uv(primitive, places ? places : color.texture, mesh); });

@@ -94,7 +94,10 @@ ImportedTransmission GltfTextures::transmission(const Json& material, const std:
     is_first = false;
   };
   if (is_blended) take(result.alpha_image, color.texture);
-  if (result.transmission == 0) return result;
+  if (result.transmission == 0) {
+    if (is_blended && color.texture && !result.is_there()) without_alpha_.insert(&material);
+    return result;
+  }
 
   const Json* const metal = object_in(material, "pbrMetallicRoughness");
   const bool is_glossy = file_.extension_of(material, "KHR_materials_pbrSpecularGlossiness");  // which has no metal
@@ -103,6 +106,7 @@ ImportedTransmission GltfTextures::transmission(const Json& material, const std:
   take(result.color_image, color.texture);
   take(result.transmission_image, object_in(*extension, "transmissionTexture"));
   if (metal && result.metallic != 0) take(result.metallic_image, object_in(*metal, "metallicRoughnessTexture"));
+  if (result.metallic == 1 && result.metallic_image == ImportedMask::no_image) of_metal_.insert(&material);
   for (const std::uint32_t image : {result.color_image, result.transmission_image, result.metallic_image})
     if (image != ImportedMask::no_image) answer_.mask_images[image].wants_colors = true;
   const Json* const volume = file_.extension_of(material, "KHR_materials_volume");
@@ -122,13 +126,6 @@ std::uint32_t GltfTextures::image(const Json& texture, const std::string& where,
   }
   if (const auto known = known_.find(*source); known != known_.end()) return known->second;
   return known_[*source] = read_image(*source, use);
-}
-
-std::uint32_t GltfTextures::broken(const std::string& where, const std::string& why) {
-  MaskImage& image = answer_.mask_images.emplace_back();
-  image.name = where;
-  image.failure = why;
-  return static_cast<std::uint32_t>(answer_.mask_images.size() - 1);
 }
 
 std::uint32_t GltfTextures::read_image(std::size_t index, Use use) {
@@ -152,7 +149,7 @@ std::uint32_t GltfTextures::read_image(std::size_t index, Use use) {
 
 void GltfTextures::note() {
   constexpr std::string_view images[] = {"masks", "transmission"},
-                             without[] = {"the cards are solid", "their factors alone count"};
+                             without[] = {"the cards are solid", "the factors of their materials alone count"};
   for (const Use use : {for_mask, for_transmission}) {
     answer_.note(missing_[use],
                  fmt::format("images of {} are not there ('{}' is one); {}", images[use], first_missing_[use], without[use]));
@@ -161,6 +158,10 @@ void GltfTextures::note() {
   }
   answer_.note(elsewhere_.size(),
                "textures of transmission have other places or another wrap than the color's; their factors alone count");
+  answer_.note(without_alpha_.size(), "materials of alphaMode BLEND have an alpha of 1 without their image; they are opaque");
+  answer_.note(of_metal_.size(),
+               "materials have KHR_materials_transmission and a metallicFactor of 1, the format's default: metal transmits no "
+               "light; glass has metallicFactor 0");
   answer_.note(with_mask_.size(), "materials have a mask and KHR_materials_transmission; what is solid of them transmits");
   answer_.note(with_volume_.size(), "materials have a volume (KHR_materials_volume) and are read as thin surfaces");
 }

@@ -42,8 +42,6 @@ class GltfTextures {
   /// given, as that of a mask, it stays.
   ImportedTransmission transmission(const Json& material, const std::string& where, const GltfColor& color,
                                     const Json*& places);
-  /// An image in place of one that cannot be read: it is refused where it is used.
-  std::uint32_t broken(const std::string& where, const std::string& why);
   /// What was left out.
   void note();
 
@@ -60,10 +58,11 @@ class GltfTextures {
   const GltfFile& file_;
   const ReadFile& read_;
   MeshFile& answer_;
-  std::map<std::size_t, std::uint32_t> known_;                 ///< images of the answer by their number in the file
-  std::size_t missing_[2] = {}, without_source_[2] = {};       ///< of each use
-  std::string first_missing_[2];                               ///< of each use
-  std::set<const Json*> with_volume_, with_mask_, elsewhere_;  ///< materials that transmit; textures with other places
+  std::map<std::size_t, std::uint32_t> known_;            ///< images of the answer by their number in the file
+  std::size_t missing_[2] = {}, without_source_[2] = {};  ///< of each use
+  std::string first_missing_[2];                          ///< of each use
+  std::set<const Json*> with_volume_, with_mask_, of_metal_, without_alpha_;  ///< materials
+  std::set<const Json*> elsewhere_;                                           ///< textures with other places
 };
 
 }  // namespace gnomon::importing

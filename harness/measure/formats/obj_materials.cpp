@@ -100,6 +100,9 @@ void ObjMaterials::read_opacity(TextLines& lines, bool is_dissolve, Material& ma
   material.has_opacity |= is_dissolve;
   material.has_halo = has_halo;
   material.opacity = is_dissolve ? value : 1 - value;
+  const bool is_share = value >= 0 && value <= 1;
+  material.opacity_fault =
+      is_share ? "" : fmt::format("{} = {} ({}) is not within 0 .. 1", is_dissolve ? "d" : "Tr", value, lines.where());
 }
 
 /// Whether Tf is anything but 1 1 1.
@@ -141,7 +144,11 @@ void ObjMaterials::apply(const std::string& name, ImportedMesh& mesh, MeshFile& 
     return;
   }
   Material& material = found->second;
-  material.transmission.alpha = material.opacity;
+  ImportedTransmission& transmission = material.transmission;
+  if (material.opacity_fault.empty())
+    transmission.alpha = material.opacity;
+  else if (!transmission.has_image())
+    transmission.alpha_image = add_broken_image(answer, name, fmt::format("material '{}': {}", name, material.opacity_fault));
   material.is_transparent = material.transmission.is_there();
   if (!material.map.empty()) read_mask(name, material, answer);
   if (material.is_transparent && material.has_halo) with_halo_.insert(name);

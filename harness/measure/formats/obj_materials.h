@@ -25,6 +25,7 @@ class ObjMaterials {
     std::string map;               ///< file of map_d, as written
     std::filesystem::path folder;  ///< of the library
     double opacity = 1;            ///< d, or 1 - Tr
+    std::string opacity_fault;     ///< why it is refused where it is used; empty where it is within 0 .. 1
     bool has_opacity = false;      ///< by d, which counts before Tr
     bool is_clamped = false, has_more_options = false, has_halo = false, has_filter = false;
   };

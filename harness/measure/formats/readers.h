@@ -24,5 +24,8 @@ inline std::uint32_t word_at(std::string_view bytes, std::size_t offset) {
 
 /// Adds an image file to those of the answer and returns its number. An image that cannot be read has the reason in `failure`.
 std::uint32_t add_image_file(MeshFile& answer, const std::filesystem::path& file, const ReadFile& read, bool is_gray_alpha);
+/// Adds an image in place of what is wrong with a mask or a transmission, which is refused where it is used, and returns its
+/// number.
+std::uint32_t add_broken_image(MeshFile& answer, const std::string& name, const std::string& why);
 
 }  // namespace gnomon::importing

@@ -103,9 +103,9 @@ std::vector<std::uint8_t> used_vertices(const std::string& where, const Imported
 
 /// Places the vertices that faces use, and welds them: readers may repeat a vertex for every face; one position becomes one
 /// vertex again, of a mesh that needs its places in an image where it has one place there. Returns the place in `mesh` of each
-/// vertex of the file.
+/// vertex of the file. `hint` ends errors of places in an image.
 std::vector<std::uint32_t> place_vertices(const std::string& where, const ImportedMesh& raw, const glm::dmat4& place,
-                                          const Placement& placement, NoteCounts& counts, Mesh& mesh) {
+                                          const Placement& placement, std::string_view hint, NoteCounts& counts, Mesh& mesh) {
   const std::vector<std::uint8_t> used = used_vertices(where, raw);
   std::vector<glm::vec3> positions(raw.positions.size());
   for (std::size_t v = 0; v < raw.positions.size(); ++v) {
@@ -121,7 +121,7 @@ std::vector<std::uint32_t> place_vertices(const std::string& where, const Import
   }
   std::vector<std::uint32_t> welded = weld(positions, used);
   if (mesh.needs_uv()) {
-    check_uv(where, raw, used, mesh.alpha_mask != nullptr);
+    check_uv(where, raw, used, mesh.alpha_mask != nullptr, hint);
     welded = weld_places(welded, raw.uv, used);
   }
   for (std::uint32_t v = 0; v < welded.size(); ++v) {
@@ -147,7 +147,8 @@ Mesh convert(const fs::path& file, const ImportedMesh& raw, const glm::dmat4& pl
   mesh.alpha_mask = masks.mask(where, raw);
   mesh.transmission = transmissions.transmission(where, raw);
   if (mesh.transmission) mesh.seen = transmissions.are_seen();
-  const std::vector<std::uint32_t> welded = place_vertices(where, raw, place, placement, counts, mesh);
+  const std::string& hint = mesh.alpha_mask ? masks.hint() : transmissions.hint();
+  const std::vector<std::uint32_t> welded = place_vertices(where, raw, place, placement, hint, counts, mesh);
 
   auto corner = raw.corners.begin();
   std::vector<std::uint32_t> face;
@@ -164,8 +165,9 @@ Mesh convert(const fs::path& file, const ImportedMesh& raw, const glm::dmat4& pl
   }
   if (mesh.alpha_mask || mesh.transmission) masks.drop_duplicates(mesh);
   if (mesh.alpha_mask || (mesh.transmission && !mesh.transmission->is_constant())) return mesh;
-  if (raw.has_texture) counts.textured += mesh.triangles.size();
-  if (raw.is_transparent && !transmissions.counts(raw)) counts.transparent += mesh.triangles.size();
+  const bool is_glass = transmissions.counts(raw);
+  if (raw.has_texture && !(is_glass && raw.transmission.has_image())) counts.textured += mesh.triangles.size();
+  if (raw.is_transparent && !is_glass) counts.transparent += mesh.triangles.size();
   return mesh;
 }
 
@@ -265,6 +267,9 @@ void importing::add_imported(const fs::path& file, std::span<const std::byte> an
   MeshFile raw;
   visit_file(reader, raw);
   if (!raw.failure.empty()) throw Error("{}", raw.failure);
+  const std::string opening = file.string() + ": ";  // of the errors that follow, too
+  for (MaskImage& image : raw.mask_images)
+    if (image.failure.starts_with(opening)) image.failure.erase(0, opening.size());
 
   FileMasks masks(file, raw, mask_choice, scene);
   FileTransmissions transmissions(raw, transmission_choice, scene);

@@ -85,7 +85,7 @@ std::shared_ptr<const AlphaMask> FileMasks::mask(const std::string& where, const
   if (!chosen_ && settings.image >= raw_.mask_images.size())
     throw Error("{}: names image {} of {}", where, settings.image, raw_.mask_images.size());
   const MaskImage& image = chosen_ ? *chosen_ : raw_.mask_images[settings.image];
-  if (!image.failure.empty()) throw Error("{}: its mask: {} (masks = false loads it as solid)", where, image.failure);
+  if (!image.failure.empty()) throw Error("{}: its mask: {}{}", where, image.failure, choice_.hint);
   if (settings.wrap_u > AlphaMask::Wrap::clamp || settings.wrap_v > AlphaMask::Wrap::clamp)
     throw Error("{}: its mask wraps in no known way", where);
   if (image.alpha.empty()) {
@@ -147,12 +147,11 @@ void FileMasks::drop_duplicates(Mesh& mesh) {
   mesh.triangles.resize(kept);
 }
 
-void importing::check_uv(const std::string& where, const ImportedMesh& mesh, std::span<const std::uint8_t> used,
-                         bool is_masked) {
+void importing::check_uv(const std::string& where, const ImportedMesh& mesh, std::span<const std::uint8_t> used, bool is_masked,
+                         std::string_view hint) {
   const auto refuse = [&](std::size_t v, const std::string& problem) {
-    throw Error("{}, vertex {}: {}; a mesh with a {} needs them within {} ({})", where, v, problem,
-                is_masked ? "mask" : "transmission of an image", uv_range,
-                is_masked ? "masks = false loads it as solid" : "transmission = false loads it as opaque");
+    throw Error("{}, vertex {}: {}; a mesh with a {} needs them within {}{}", where, v, problem,
+                is_masked ? "mask" : "transmission of an image", uv_range, hint);
   };
   if (!mesh.uv.empty() && mesh.uv.size() != mesh.positions.size())
     throw Error("{}: {} vertices have {} texture coordinates", where, mesh.positions.size(), mesh.uv.size());

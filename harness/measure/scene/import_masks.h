@@ -18,6 +18,8 @@ class FileMasks {
   /// mask.
   void finish(const std::string& name, Scene& scene) const;
 
+  /// Ends errors: how a description avoids them.
+  const std::string& hint() const { return choice_.hint; }
   /// Triangles that a mesh with a mask or a transmission has more than once are there once.
   void drop_duplicates(Mesh& mesh);
 
@@ -39,8 +41,10 @@ class FileMasks {
   std::size_t masked_duplicates_ = 0, other_duplicates_ = 0;  ///< triangles
 };
 
-/// Throws Error unless each used vertex has sound texture coordinates, which a mask needs, or else a transmission.
-void check_uv(const std::string& where, const ImportedMesh& mesh, std::span<const std::uint8_t> used, bool is_masked);
+/// Throws Error, which ends in `hint`, unless each used vertex has sound texture coordinates, which a mask needs, or else a
+/// transmission.
+void check_uv(const std::string& where, const ImportedMesh& mesh, std::span<const std::uint8_t> used, bool is_masked,
+              std::string_view hint);
 /// For each used vertex the first one at exactly its position and place in the image; `welded` as of gnomon::weld.
 std::vector<std::uint32_t> weld_places(std::span<const std::uint32_t> welded, std::span<const glm::vec2> uv,
                                        std::span<const std::uint8_t> used);

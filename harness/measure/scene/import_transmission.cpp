@@ -66,8 +66,6 @@ void check_value_count(const glm::ivec2& size, std::size_t channels) {
                 Transmission::most_values);
 }
 
-constexpr const char* way_out = "transmission = false loads it as opaque";
-
 }  // namespace
 
 std::shared_ptr<const Transmission> read_transmission_image(const fs::path& file, const Scene& scene) {
@@ -102,7 +100,7 @@ const MaskImage* FileTransmissions::image(const std::string& where, std::uint32_
   if (number == ImportedTransmission::no_image) return nullptr;
   if (number >= raw_.mask_images.size()) throw Error("{}: names image {} of {}", where, number, raw_.mask_images.size());
   const MaskImage& image = raw_.mask_images[number];
-  if (!image.failure.empty()) throw Error("{}: its transmission: {} ({})", where, image.failure, way_out);
+  if (!image.failure.empty()) throw Error("{}: its transmission: {}{}", where, image.failure, choice_.hint);
   const std::size_t texels = std::size_t(std::max(image.width, 0)) * std::size_t(std::max(image.height, 0));
   if (texels == 0 || (!image.alpha.empty() && image.alpha.size() != texels) ||
       (!image.colors.empty() && image.colors.size() != 3 * texels))
@@ -113,7 +111,7 @@ const MaskImage* FileTransmissions::image(const std::string& where, std::uint32_
 
 Transmission FileTransmissions::made(const std::string& where, const ImportedTransmission& material) const {
   const auto check = [&](double share, const char* what) {
-    if (!(share >= 0 && share <= 1)) throw Error("{}: its {} of {} is not within 0 .. 1 ({})", where, what, share, way_out);
+    if (!(share >= 0 && share <= 1)) throw Error("{}: its {} of {} is not within 0 .. 1{}", where, what, share, choice_.hint);
   };
   check(material.alpha, "alpha");
   check(material.transmission, "transmission");
@@ -147,7 +145,7 @@ Transmission FileTransmissions::made(const std::string& where, const ImportedTra
       }
     return Transmission(size.x, size.y, channels, std::move(values), material.wrap_u, material.wrap_v);
   } catch (const Error& error) {
-    throw Error("{}: {} ({})", where, error.what(), way_out);
+    throw Error("{}: {}{}", where, error.what(), choice_.hint);
   }
 }
 

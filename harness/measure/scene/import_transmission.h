@@ -17,6 +17,8 @@ class FileTransmissions {
   bool counts(const ImportedMesh& mesh) const { return is_chosen() || (choice_.is_used && mesh.transmission.is_there()); }
   /// Whether the eye sees the meshes that let light through.
   bool are_seen() const { return choice_.seen.value_or(false); }
+  /// Ends errors: how a description avoids them.
+  const std::string& hint() const { return choice_.hint; }
   /// Adds notes to the scene, which open with `name`. Throws Error, which opens with `file`, where the choice says what is seen
   /// and no mesh lets light through.
   void finish(const std::string& file, const std::string& name, Scene& scene) const;

@@ -46,12 +46,13 @@ struct Placement {
   glm::dvec3 scale{1}, rotate_degrees{0}, translate{0};  ///< applied in this order; rotation about x, then y, then z
   glm::dvec3 apply(const glm::dvec3& p) const;
 };
-/// What a description says of the masks of a mesh file.
+/// What a description says of the masks of a mesh file; without a description all is as the file says.
 struct MaskChoice {
   bool are_used = true;                        ///< false: all meshes are solid
   std::optional<std::filesystem::path> image;  ///< in place of the file's own masks, of all its meshes
   std::optional<double> cutoff;                ///< in place of the file's own
   int scale = 1;                               ///< see AlphaMask
+  std::string hint;                            ///< ends errors: what the description may say in place of the mask
 };
 /// What a description says of the light that the meshes of a file let through.
 struct TransmissionChoice {
@@ -59,6 +60,7 @@ struct TransmissionChoice {
   std::optional<glm::vec3> everywhere;         ///< in place of the file's own, of all its meshes
   std::optional<std::filesystem::path> image;  ///< the same, of an image
   std::optional<bool> seen;                    ///< whether the eye sees the meshes that let light through; not unless given
+  std::string hint;                            ///< ends errors: what the description may say in place of the transmission
 };
 /// Appends the file's meshes (and its cameras and punctual lights, for glTF) to the scene.
 void import_file(const std::filesystem::path& file, const Placement& placement, Scene& scene, const MaskChoice& masks = {},

@@ -120,7 +120,7 @@ void read_mesh(const toml::table& toml, const fs::path& file, Scene& scene) {
   const Placement placement{table.scale("scale"), table.vector("rotate_degrees", zero), table.vector("translate", zero)};
   const bool casts = table.flag("casts", true), receives = table.flag("receives", true);
   const glm::vec3 albedo = table.albedo();
-  const fs::path path = described_file(table.text("file"), file);
+  const fs::path path = described_file(table.file_name("file"), file);
   const DescribedFile file_of = [&](const std::string& name) { return described_file(name, file); };
   const MaskChoice masks = read_masks(table, file_of);
   const TransmissionChoice transmission = read_transmission(table, file_of);

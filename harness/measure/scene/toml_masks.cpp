@@ -11,16 +11,13 @@ const std::vector<glm::vec2> plane_uv = {{0, 1}, {1, 1}, {1, 0}, {0, 0}};
 
 MaskChoice read_masks(const Table& table, const DescribedFile& file_of) {
   MaskChoice masks;
+  masks.hint = " (masks = false loads it as solid)";
   masks.are_used = table.flag("masks", true);
   for (const std::string_view key : mask_keys)
     if (!masks.are_used && table.has(key))
       table.refuse("masks", "false", fmt::format("allowed beside {}: without masks all meshes are solid", key));
-  if (table.has("mask")) masks.image = file_of(table.text("mask"));
-  if (table.has("cutoff")) {
-    const double cutoff = table.number("cutoff");
-    if (cutoff < 0 || cutoff > 1) table.refuse("cutoff", cutoff, "within 0 .. 1");
-    masks.cutoff = cutoff;
-  }
+  if (table.has("mask")) masks.image = file_of(table.file_name("mask"));
+  if (table.has("cutoff")) masks.cutoff = table.share("cutoff");
   masks.scale = table.integer("mask_scale", 1, 1, AlphaMask::most_texels);
   return masks;
 }
@@ -48,13 +45,14 @@ void add_mask(const Table& table, const DescribedFile& file_of, Scene& scene, Me
 TransmissionChoice read_transmission(const Table& table, const DescribedFile& file_of) {
   constexpr std::string_view key = "transmission";
   TransmissionChoice choice;
+  choice.hint = " (transmission = false loads it as opaque)";
   if (table.has("seen")) choice.seen = table.flag("seen", false);
   if (table.is_flag(key))
     choice.is_used = table.flag(key, true);
   else if (table.is_text(key))
-    choice.image = file_of(table.text(key));
+    choice.image = file_of(table.file_name(key));
   else if (table.has(key))
-    choice.everywhere = table.shares(key);
+    choice.everywhere = table.shares(key, "a number of 0 .. 1, three of them, or the name of an image");
   const bool is_opaque = !choice.is_used || choice.everywhere == glm::vec3(0);
   if (is_opaque && choice.seen)
     table.refuse("seen", *choice.seen, "allowed beside a transmission of false or 0: what is opaque is seen");

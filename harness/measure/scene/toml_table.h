@@ -55,6 +55,12 @@ class Table {
   bool is_flag(std::string_view key) const { return table_.get(key) && table_.get(key)->is_boolean(); }
 
   std::string text(std::string_view key) const { return exact<std::string>(key, "a text"); }
+  /// A text that is not empty.
+  std::string file_name(std::string_view key) const {
+    const std::string name = text(key);
+    if (name.empty()) refuse(key, "''", "the name of a file");
+    return name;
+  }
   bool flag(std::string_view key, bool fallback) const { return has(key) ? exact<bool>(key, "true or false") : fallback; }
   double number(std::string_view key) const { return number_of(key, need(key)); }
   double number(std::string_view key, double fallback) const { return has(key) ? number(key) : fallback; }
@@ -113,12 +119,15 @@ class Table {
     if (find_named(others, value)) refuse(key, '\'' + value + '\'', "unique");
     return value;
   }
-  /// Three shares of 0 .. 1, or one for all three.
-  glm::vec3 shares(std::string_view key) const {
-    const glm::dvec3 value = need(key).is_array() ? vector(key) : glm::dvec3(number(key));
-    for (int c = 0; c < 3; ++c)
-      if (!(value[c] >= 0 && value[c] <= 1)) refuse(key, value[c], "within 0 .. 1");
-    return value;
+  /// 0 .. 1.
+  double share(std::string_view key) const { return share_of(key, need(key)); }
+  /// Three shares of 0 .. 1, or one for all three. `allowed` is what the key may hold.
+  glm::vec3 shares(std::string_view key, std::string_view allowed) const {
+    const toml::node& node = need(key);
+    const toml::array* array = node.as_array();
+    if (array ? array->size() != 3 : !node.is_number()) refuse(key, kind(key), allowed);
+    if (!array) return glm::dvec3(share_of(key, node));
+    return glm::dvec3(share_of(key, (*array)[0]), share_of(key, (*array)[1]), share_of(key, (*array)[2]));
   }
   glm::vec3 albedo() const {
     const glm::vec3 value(vector("albedo", glm::dvec3(0.7)));
@@ -161,13 +170,22 @@ class Table {
     if (node.is_boolean()) return "a truth value";
     return node.is_number() ? "a number" : "a date";
   }
-  double number_of(std::string_view key, const toml::node& node) const {
+  /// Of any size, not finite, too.
+  double value_of(std::string_view key, const toml::node& node) const {
     if (!node.is_number()) refuse(key, &node == &need(key) ? kind(key) : "a list with something else", "a number or numbers");
     // Not value<double>() of both: that has no answer for whole numbers that a double must round.
     const auto whole = node.value_exact<std::int64_t>();
-    const double value = whole ? static_cast<double>(*whole) : *node.value_exact<double>();
+    return whole ? static_cast<double>(*whole) : *node.value_exact<double>();
+  }
+  double number_of(std::string_view key, const toml::node& node) const {
+    const double value = value_of(key, node);
     constexpr double largest = 1e30;  // of any number; of what may be a coordinate, less: largest_coordinate
     if (!std::isfinite(value) || std::abs(value) > largest) refuse(key, value, "within -1e30 .. 1e30");
+    return value;
+  }
+  double share_of(std::string_view key, const toml::node& node) const {
+    const double value = value_of(key, node);
+    if (!(value >= 0 && value <= 1)) refuse(key, value, "within 0 .. 1");
     return value;
   }
   glm::dvec3 three(std::string_view key, const toml::node& node) const {

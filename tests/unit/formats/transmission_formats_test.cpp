@@ -109,10 +109,16 @@ TEST(GltfTransmission, defaults_are_those_of_the_format) {
   EXPECT_FALSE(pane.transmission().is_there());
   pane.material = R"(,"extensions":{"KHR_materials_transmission":{"transmissionFactor":1}})";
   EXPECT_EQ(pane.transmission().metallic, 1);
+  const char* const is_metal = "1 materials have KHR_materials_transmission and a metallicFactor of 1, the format's default";
+  EXPECT_TRUE(has_note(pane.read(), is_metal));
   EXPECT_EQ(pane.transmission().color, glm::dvec3(1));
   EXPECT_EQ(pane.transmission().wrap_u, AlphaMask::Wrap::repeat);
-  pane.material += R"(,"pbrMetallicRoughness":{"metallicFactor":0})";
+  const std::string glass = pane.material;
+  pane.material = glass + R"(,"pbrMetallicRoughness":{"metallicFactor":0})";
   EXPECT_EQ(pane.transmission().metallic, 0);
+  EXPECT_FALSE(has_note(pane.read(), is_metal));
+  pane.material = glass + R"(,"pbrMetallicRoughness":{"metallicRoughnessTexture":{"index":0}})";
+  EXPECT_FALSE(has_note(pane.read(), is_metal)) << "the image decides";
 }
 
 TEST(GltfTransmission, images_with_other_places_or_another_wrap_are_noted_and_left_out) {
@@ -182,7 +188,11 @@ TEST(GltfTransmission, missing_images_are_noted_and_the_factors_count) {
   EXPECT_FALSE(file.meshes.at(0).transmission.has_image());
   EXPECT_EQ(file.meshes[0].transmission.alpha, 0.25);
   EXPECT_TRUE(file.meshes[0].uv.empty());
-  EXPECT_TRUE(has_note(file, "1 images of transmission are not there ('pane.png' is one); their factors alone count"));
+  EXPECT_TRUE(has_note(file, "1 images of transmission are not there ('pane.png' is one); the factors of their materials"));
+  EXPECT_FALSE(file.meshes[0].has_texture) << "there is none";
+  EXPECT_FALSE(has_note(file, "alpha of 1"));
+  pane.material = R"(,"pbrMetallicRoughness":{"baseColorTexture":{"index":0}})";
+  EXPECT_TRUE(has_note(pane.read(), "1 materials of alphaMode BLEND have an alpha of 1 without their image; they are opaque"));
 }
 
 // The file is read: a description may take the mesh for opaque, and whoever uses its glass is told.
@@ -230,6 +240,16 @@ TEST(ObjTransmission, is_one_minus_d_and_d_counts_before_tr) {
   EXPECT_TRUE(file.meshes.at(0).is_transparent);
   EXPECT_TRUE(file.notes.empty() && file.meshes[0].uv.empty());
   EXPECT_FALSE(folder.read("d 1\nTr 0\n").meshes.at(0).transmission.is_there());
+}
+
+// The file is read: a description may take the mesh for opaque.
+TEST(ObjTransmission, a_part_outside_of_0_to_1_fails_the_transmission_alone) {
+  const Folder folder;
+  const MeshFile file = folder.read("d 0.5\nd 1.4\n");
+  const ImportedTransmission glass = file.meshes.at(0).transmission;
+  EXPECT_TRUE(glass.is_there());
+  expect_words(file.mask_images.at(glass.alpha_image).failure, {"material 'pane': d = 1.4 (", "a.mtl:3) is not within 0 .. 1"});
+  EXPECT_FALSE(folder.read("Tr 7\nd 0.25\n").meshes.at(0).transmission.has_image()) << "d counts";
 }
 
 TEST(ObjTransmission, halo_and_filter_are_noted_where_the_material_lets_light_through) {

@@ -126,7 +126,7 @@ TEST(AlphaMaskLoad, cutoff_is_that_of_the_description) {
   folder.write("leaf.png", png_of(2, {50, 51}));
   EXPECT_EQ(bits(folder.read_card("cutoff = 0.2\n")), ".#") << "51 / 255 >= 0.2f in float32";
   EXPECT_EQ(bits(folder.read(plane + "mask = \"leaf.png\"\ncutoff = 0.2\n")), ".#");
-  for (const char* cutoff : {"-0.1", "1.1"})
+  for (const char* cutoff : {"nan", "-0.1", "1.1"})
     expect_words(folder.card_error(std::string("cutoff = ") + cutoff + "\n"),
                  {"mesh.cutoff", cutoff, "within 0 .. 1", "test.toml:3"});
   folder.write("card.mtl", "newmtl leaf\n");
@@ -248,7 +248,8 @@ TEST(AlphaMaskLoad, refuses_images_that_it_cannot_read) {
   expect_words(refusal(declaring(16384, 16384)), {"declares 16384x16384 pixels in", "bytes"});
   for (const std::string& keys : {plane, std::string("[[mesh]]\nfile = \"card.obj\"\n")}) {
     expect_words(folder.error(keys + "mask = \"gone.png\"\n"), {"gone.png", "does not exist"});
-    expect_words(folder.error(keys + "mask = \"\"\n"), {"is a directory, not an image"});
+    expect_words(folder.error(keys + "mask = \"\"\n"), {".mask = '' is not the name of a file"});
+    expect_words(folder.error(keys + "mask = \".\"\n"), {"is a directory, not an image"});
     expect_words(folder.error(keys + "mask = \"card.obj\"\n"), {"card.obj", "is a mesh file, not an image"});
   }
 }
