@@ -88,11 +88,15 @@ class AreaRays final : public Technique {
   float visibility(const GBuffer& gbuffer, std::size_t i, std::size_t& rays) const {
     int asked = 0;
     double hidden = 0;
+    bool is_dimmed = false;
     ask(gbuffer, i, [&](const LightFigure&, const Squares&, const FaceHits& hits) {
       asked += std::popcount(hits.asked);
       hidden += hits.hidden_count();
+      is_dimmed |= hits.dimmed != 0;
     });
     rays += static_cast<std::size_t>(asked);
+    // Parts of rays are no whole numbers: only the share is rounded to float32, as the reference's is.
+    if (is_dimmed) return static_cast<float>(1 - hidden / asked);
     return asked == 0 ? 1.0f : 1.0f - static_cast<float>(hidden) / static_cast<float>(asked);
   }
 

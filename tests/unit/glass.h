@@ -53,4 +53,22 @@ inline Mesh random_glass_cards(Random& random, int count, float half, float size
   return with_transmission(masked::random_cards(random, count, half, size, nullptr), std::move(transmission));
 }
 
+/// A triangle within 0.3 units of a random center along each axis, tilted, that lets half of the light through; and the same
+/// opaque. What lies in its plane 1.5 units or more aside of the center meets neither it nor its box.
+struct TiltedTriangle {
+  Scene scene, opaque;
+  glm::dvec3 center, along, aside;  ///< the last two of one unit, in its plane
+  explicit TiltedTriangle(Random& random, double unit = 1) : center(unit * random.uniform(glm::dvec3(-1), glm::dvec3(1))) {
+    std::vector<glm::vec3> corners;
+    for (int k = 0; k < 3; ++k) corners.emplace_back(center + unit * random.uniform(glm::dvec3(-0.3), glm::dvec3(0.3)));
+    opaque.meshes = {hand_made::mesh_of(corners, {{0, 1, 2}})};
+    scene.meshes = {with_transmission(opaque.meshes[0], glm::vec3(0.5f))};
+    const glm::dvec3 normal = glm::normalize(opaque.meshes[0].corners(0).normal()), a(corners[0]), b(corners[1]);
+    center = (a + b) / 2.0;
+    along = unit * glm::normalize(b - a);
+    aside = glm::cross(normal, along);
+  }
+  glm::vec3 at(double s, double t) const { return center + s * along + t * aside; }
+};
+
 }  // namespace gnomon::glass

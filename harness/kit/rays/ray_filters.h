@@ -86,6 +86,17 @@ inline void exclude_holes_of_one(const RTCFilterFunctionNArguments* args) {
     args->valid[0] = 0;
 }
 
+/// The same, and lets it through texels that let all light through.
+inline void exclude_clear_of_one(const RTCFilterFunctionNArguments* args) {
+  exclude_holes_of_one(args);
+  if (args->valid[0] == 0) return;
+  const auto& context = static_cast<const RayContext&>(*reinterpret_cast<const FilterContext*>(args->context));
+  const auto* hit = reinterpret_cast<const RTCHit*>(args->hit);
+  const Mesh& mesh = context.masked->meshes[hit->geomID];
+  if (transmission_along(mesh, hit->primID, context.origin, context.direction, context.scale) == glm::vec3(1))
+    args->valid[0] = 0;
+}
+
 /// What `exclude_doubtful` sees: the rays, as they are traced, and where in the scene they go. It notes the rays in `doubtful`.
 struct DoubtContext : FilterContext {
   const Scene& scene;

@@ -1,4 +1,5 @@
 #include <gnomon/error.h>
+#include <gnomon/kit/geometry/box_tree.h>
 #include <gnomon/kit/geometry/contour.h>
 #include <gnomon/kit/geometry/edges.h>
 #include <gnomon/kit/vectorized.h>
@@ -117,6 +118,25 @@ std::uint32_t trace(RTCScene scene, std::uint32_t valid, ShadowPacket& packet, F
   return blocked_bits(packet.tfar.data()) & valid;
 }
 
+/// Takes out of what a ray was reported to cross the triangles whose box it does not come near. Embree reports now and then a
+/// triangle in whose plane the ray lies, at any distance: its tests divide rounding by rounding there. `scale` of the world to
+/// the frame of the ray.
+void leave_out_far(Crossings& crossings, const ShadowPacket& packet, int k, const Scene& scene, double scale) {
+  const glm::vec3 origin(packet.ox[k], packet.oy[k], packet.oz[k]), direction(packet.dx[k], packet.dy[k], packet.dz[k]);
+  const bool has_end = std::isfinite(packet.tfar[k]);
+  const glm::dvec3 end = has_end ? glm::dvec3(origin) + double(packet.tfar[k]) * glm::dvec3(direction) : glm::dvec3(direction);
+  const SegmentSlabs way({origin, {end, has_end ? 1 : 0}});
+  const double size = std::max(extent(glm::dvec3(origin)), has_end ? extent(end) : 0);
+  crossings.erase_if([&](const Crossings::Crossed& crossed) {
+    Bounds box;
+    for (const glm::vec3& corner : scene.meshes[crossed.mesh].corners(crossed.triangle).points)
+      box.add(glm::vec3(scale * glm::dvec3(corner)));
+    // Float32 rounds the corners, the ray and their products.
+    const double reach = 16 * 0x1p-24 * std::max(size, box.extent());
+    return !way.meets({{box.min.x, box.min.y, box.min.z}, {box.max.x, box.max.y, box.max.z}}, reach);
+  });
+}
+
 }  // namespace
 
 struct RayScene::Body {
@@ -136,6 +156,8 @@ struct RayScene::Body {
   FilterContext context(const Receivers& receivers = {}) const {
     return {.receivers = receivers, .masked = has_masks || has_transmission ? source : nullptr, .scale = scale};
   }
+  /// Hits that the filter excludes, if there is one, left out.
+  Hit closest(const glm::dvec3& origin, const glm::dvec3& direction, RTCFilterFunctionN filter) const;
   ~Body() {
     rtcReleaseScene(scene);
     rtcReleaseDevice(device);
@@ -186,18 +208,26 @@ RayScene::RayScene(const Scene& scene, Truth truth, Which which) : body_(std::ma
     throw Error("Embree cannot build the scene {}: error {}", scene.name, static_cast<int>(code));
 }
 
-RayScene::Hit RayScene::closest(const glm::dvec3& origin, const glm::dvec3& direction) const {
-  const glm::dvec3 start = body_->scale * origin;
-  if (body_->scale != 1 && !(extent(start) < too_far)) return {};
-  RayContext context{body_->context(), start, direction};
-  rtcInitIntersectContext(&context.embree);
-  if (body_->has_masks) context.embree.filter = exclude_holes_of_one;
+RayScene::Hit RayScene::Body::closest(const glm::dvec3& origin, const glm::dvec3& direction, RTCFilterFunctionN filter) const {
+  const glm::dvec3 start = scale * origin;
+  if (scale != 1 && !(extent(start) < too_far)) return {};
+  RayContext ray{context(), start, direction};
+  rtcInitIntersectContext(&ray.embree);
+  ray.embree.filter = filter;
   RTCRayHit query{ray_to(start, direction, INFINITY), {}};
   query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-  rtcIntersect1(body_->scene, &context.embree, &query);
+  rtcIntersect1(scene, &ray.embree, &query);
   if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return {};
   return {query.hit.geomID, query.hit.primID, glm::normalize(glm::dvec3(query.hit.Ng_x, query.hit.Ng_y, query.hit.Ng_z)),
-          query.ray.tfar / body_->scale};
+          query.ray.tfar / scale};
+}
+
+RayScene::Hit RayScene::closest(const glm::dvec3& origin, const glm::dvec3& direction) const {
+  return body_->closest(origin, direction, body_->has_masks ? exclude_holes_of_one : nullptr);
+}
+
+RayScene::Hit RayScene::closest_caster(const glm::dvec3& origin, const glm::dvec3& direction) const {
+  return has_transmission() ? body_->closest(origin, direction, exclude_clear_of_one) : closest(origin, direction);
 }
 
 std::vector<RayScene::Met> RayScene::met(const glm::dvec3& origin, const glm::dvec3& way) const {
@@ -231,7 +261,12 @@ std::uint32_t RayScene::crossed(std::uint32_t valid, ShadowPacket& packet, const
   if (body_->scale != 1 || is_short(valid, packet)) valid &= into_frame(packet, body_->scale);
   for (Crossings& of_lane : crossings) of_lane.clear();
   CrossingsContext context{body_->context(receivers), crossings.data()};
-  return trace(body_->scene, valid, packet, context, context.masked ? collect_crossings : exclude_receiver);
+  const std::uint32_t blocked =
+      trace(body_->scene, valid, packet, context, context.masked ? collect_crossings : exclude_receiver);
+  for (std::uint32_t left = valid & ~blocked; left; left &= left - 1)
+    if (const int k = std::countr_zero(left); !crossings[k].empty())
+      leave_out_far(crossings[k], packet, k, *body_->source, body_->scale);
+  return blocked;
 }
 
 RayScene::Blocked RayScene::blocked(std::uint32_t valid, ShadowPacket& packet, const Receivers& receivers,

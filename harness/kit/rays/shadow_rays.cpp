@@ -1,4 +1,3 @@
-#include <gnomon/kit/geometry/box_tree.h>
 #include <gnomon/kit/parallel.h>
 #include <gnomon/kit/rays/rays.h>
 #include <gnomon/kit/vectorized.h>
@@ -90,14 +89,6 @@ struct PacketFiller {
   }
 };
 
-/// Whether a way comes near the box around a triangle. Embree reports now and then a triangle in whose plane the way lies, at
-/// any distance: its tests divide rounding by rounding there.
-bool is_near(const SegmentSlabs& way, const Triangle& triangle, double reach) {
-  Bounds box;
-  box.add(triangle.points);
-  return way.meets({{box.min.x, box.min.y, box.min.z}, {box.max.x, box.max.y, box.max.z}}, reach);
-}
-
 /// Sixteen pixels of a row of shadow rays.
 struct Group {
   std::size_t first, count;
@@ -156,7 +147,6 @@ std::size_t trace_shadows(const RayScene& casters, const Scene& scene, const GBu
                           std::span<float> visibility, std::span<std::uint8_t> surfaces) {
   if (!casters.has_transmission()) return trace_opaque_shadows(casters, scene, gbuffer, light, visibility);
   const glm::dvec4 l = homogeneous(light);
-  const double reach = 16 * 0x1p-24 * extent(scene, light, gbuffer.view);
   const auto answer_group = [&](const Group& group, ShadowPacket& packet, float* answers,
                                 std::span<Crossings, ray_lanes> crossings) {
     const std::uint32_t blocked = group.valid ? casters.crossed(group.valid, packet, group.receivers, crossings) : 0;
@@ -166,13 +156,7 @@ std::size_t trace_shadows(const RayScene& casters, const Scene& scene, const GBu
       const std::size_t i = group.first + k;
       std::uint8_t crossed = blocked_surfaces;
       if (!(blocked >> k & 1)) {
-        const Segment segment{gbuffer.position(i), l};
-        const SegmentSlabs slabs(segment);
-        const Crossings::Product product = crossings[k].product([&](std::uint32_t mesh, std::uint32_t triangle) {
-          return is_near(slabs, scene.meshes[mesh].corners(triangle), reach)
-                     ? transmission_at(scene.meshes[mesh], triangle, segment)
-                     : glm::vec3(1);
-        });
+        const Crossings::Product product = crossings[k].product(scene, {gbuffer.position(i), l});
         answers[k] = static_cast<float>(product.share.x);
         if (product.share.x > 0) crossed = static_cast<std::uint8_t>(std::min(product.surfaces, blocked_surfaces - 1));
       }

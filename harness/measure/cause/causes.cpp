@@ -122,9 +122,11 @@ std::vector<Cause> find_causes(const Attribution& a) {
   }
   if (open.empty()) return causes;
 
+  const bool is_through_glass = a.reference.kind == AnswerKind::transmitted;
   const std::vector<std::uint8_t> missing = missing_shadows(
-      a.reference.nearest_caster, a.gbuffer.width, a.gbuffer.height, [](std::size_t) { return 1; },
-      [&](std::size_t i) { return !is_lit(a.mask[i]); });
+      a.reference.nearest_caster, a.gbuffer.width, a.gbuffer.height,
+      [&](std::size_t i) { return is_through_glass ? 1.0 - a.reference.mask[i] : 1; },
+      [&](std::size_t i) { return is_through_glass ? 1.0 - a.mask[i] : !is_lit(a.mask[i]); });
   const LightRays rays(a.scene, a.casters, a.gbuffer, a.light);
   for (std::size_t first = 0; first < open.size(); first += chunk) {
     const auto pixels = std::span(open).subspan(first, std::min(chunk, open.size() - first));

@@ -51,12 +51,12 @@ std::vector<Between> meshes_between(const Attribution& a, std::size_t i, const g
   std::vector<Between> meshes;
   double t = 0;
   for (int k = 0; k < most_surfaces; ++k) {
-    const RayScene::Hit hit = a.casters.closest(origin + t * way, way);
+    const RayScene::Hit hit = a.casters.closest_caster(origin + t * way, way);
     if (hit.mesh == no_mesh || t + hit.t >= 1 - step) break;
     const bool is_own = hit.mesh == a.gbuffer.mesh[i] && hit.triangle == a.gbuffer.triangle[i] && t == 0;
     t += hit.t + step;
     const double passed = transmission_along(a.scene.meshes[hit.mesh], hit.triangle, origin, way).x;
-    if (is_own || passed == 1) continue;
+    if (is_own) continue;
     const auto known = std::ranges::find(meshes, hit.mesh, &Between::mesh);
     if (known == meshes.end())
       meshes.push_back({hit.mesh, passed});

@@ -51,7 +51,7 @@ LightRays::CasterHit LightRays::nearest(std::size_t i) const {
   // A closest-hit ray has no filter: it goes on behind what does not count. A line meets a triangle or shape at most twice.
   double start = 0;
   for (int step = 0; step < 4; ++step) {
-    const RayScene::Hit hit = casters_.closest(lifted + start * direction, direction);
+    const RayScene::Hit hit = casters_.closest_caster(lifted + start * direction, direction);
     const double distance = start + hit.t;
     if (hit.mesh == no_mesh || distance >= end) return {};
     if (!is_own(i, hit, direction)) return {hit.mesh, distance};
@@ -70,13 +70,14 @@ double LightRays::farthest(std::size_t i) const {
 
 double LightRays::farthest_along(const glm::dvec3& point, const glm::dvec3& direction) const {
   const double length = light_.w != 0 ? glm::distance(glm::dvec3(light_), point) : beyond_everything(point);
-  return length - casters_.closest(point + length * direction, -direction).t;
+  return length - casters_.closest_caster(point + length * direction, -direction).t;
 }
 
 LightRays::Surface LightRays::surface_at(const glm::dvec3& point, const glm::dvec3& direction) const {
   // Starting a little before the point, so that the surface that goes through it is met by the forward ray.
   const glm::dvec3 start = point - rounding_ * direction;
-  const RayScene::Hit forward = casters_.closest(start, direction), backward = casters_.closest(start, -direction);
+  const RayScene::Hit forward = casters_.closest_caster(start, direction),
+                      backward = casters_.closest_caster(start, -direction);
   const double ahead = std::abs(forward.t - rounding_), behind = backward.t + rounding_;
   const std::uint32_t mesh = ahead <= behind ? forward.mesh : backward.mesh;
   const bool is_shape = mesh != no_mesh && gbuffer_.truth == Truth::shape && scene_.meshes[mesh].has_curved_shape();
@@ -106,7 +107,7 @@ bool LightRays::triangles_let_through(const Start& start) const {
   const glm::dvec3 direction = to / length;
   std::vector<std::uint32_t> missed;
   for (double from = start.ignored;;) {
-    const RayScene::Hit hit = casters_.closest(start.point + from * direction, direction);
+    const RayScene::Hit hit = casters_.closest_caster(start.point + from * direction, direction);
     if (hit.mesh == no_mesh || from + hit.t >= end) return !missed.empty();
     const Mesh& mesh = scene_.meshes[hit.mesh];
     if (!mesh.has_curved_shape()) return false;
@@ -182,10 +183,14 @@ std::vector<float> LightRays::shares(std::span<const Start> starts) const {
 std::vector<std::uint32_t> find_nearest_casters(const Scene& scene, const RayScene& casters, const GBuffer& gbuffer,
                                                 const Light& light, std::span<const float> reference) {
   const LightRays rays(scene, casters, gbuffer, light);
+  const bool is_through_glass = scene.has_transmission();
+  const auto lacks_light = [&](float share) {
+    return is_through_glass ? is_wrong(1, share, AnswerKind::transmitted) : !is_lit(share);
+  };
   std::vector<std::uint32_t> nearest_caster(gbuffer.size(), no_mesh);
   tbb::parallel_for(0, gbuffer.height, [&](int y) {
     for (std::size_t i = static_cast<std::size_t>(y) * gbuffer.width, end = i + gbuffer.width; i < end; ++i)
-      if (!is_lit(reference[i]) && faces_light(scene, gbuffer, light, i)) nearest_caster[i] = rays.nearest(i).mesh;
+      if (lacks_light(reference[i]) && faces_light(scene, gbuffer, light, i)) nearest_caster[i] = rays.nearest(i).mesh;
   });
   return nearest_caster;
 }

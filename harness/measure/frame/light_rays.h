@@ -12,7 +12,7 @@ std::array<glm::dvec3, 2> across(const glm::dvec3& axis);
 glm::dvec3 back_to_plane(const glm::dvec3& move, const glm::dvec3& ray, const glm::dvec3& n);
 
 /// What is between points and one light, for the causes of errors. Rays follow the ray recipe, except that the nearest and the
-/// farthest caster come from closest-hit rays.
+/// farthest caster come from closest-hit rays. Texels that let all light through are no casters.
 class LightRays {
  public:
   LightRays(const Scene& scene, const RayScene& casters, const GBuffer& gbuffer, const Light& light);
@@ -78,7 +78,8 @@ class LightRays {
   double radius_, extent_, rounding_;
 };
 
-/// Mesh of the nearest caster of every pixel that faces the light and is dark in `reference`; no_mesh elsewhere.
+/// Mesh of the nearest caster of every pixel that faces the light and is dark in `reference`; no_mesh elsewhere. In a scene
+/// with transmission dark is where full light would be wrong.
 std::vector<std::uint32_t> find_nearest_casters(const Scene& scene, const RayScene& casters, const GBuffer& gbuffer,
                                                 const Light& light, std::span<const float> reference);
 

@@ -77,19 +77,9 @@ class SoftPixel {
 
   /// Where the first caster on a way to the light is that keeps light off, in lengths of the way; nothing where none does.
   std::optional<double> first_caster(const glm::dvec3& way) const {
-    constexpr int most_surfaces = 64;  // that let all light through
     const glm::dvec3 origin = point_ + static_cast<float>(area_ray_offset(point_)) * normal_;
-    const double step = 1e-6 + 4 * ray_offset(point_) / glm::length(way);
-    double t = 0;
-    for (int k = 0; k < most_surfaces; ++k) {
-      const RayScene::Hit hit = casters_.closest(origin + t * way, way);
-      if (hit.mesh == no_mesh || t + hit.t >= 1) return std::nullopt;
-      t += hit.t;
-      const Mesh& mesh = scene_.meshes[hit.mesh];
-      if (!mesh.transmission || transmission_along(mesh, hit.triangle, origin, way) != glm::vec3(1)) return t;
-      t += step;
-    }
-    return std::nullopt;
+    const double t = casters_.closest_caster(origin, way).t;
+    return t < 1 ? std::optional(t) : std::nullopt;
   }
 
   FaceRays rays(const LightFigure& figure, const glm::vec3& moved, bool is_lifted) const {

@@ -267,4 +267,29 @@ TEST(SoftGlass, light_paths_do_not_go_through) {
   EXPECT_TRUE(untraceable_light(t.scene));
 }
 
+// A strip of a lamp, 1e-7 m wide, in the plane of a triangle that hides none of it.
+TEST(SoftGlass, a_triangle_in_whose_plane_rays_pass_it_dims_none) {
+  Random random(17);
+  int reported = 0;
+  for (int s = 0; s < 60; ++s) {
+    const glass::TiltedTriangle triangle(random);
+    const glm::dvec3 across = 1e-7 * glm::cross(triangle.along, triangle.aside);
+    const Light strip{.name = "strip", .kind = RectLight{triangle.at(3, 1.8), 0.2 * triangle.aside, across}};
+    const glm::vec3 point = triangle.at(-3, 1.6);
+    const LightFigure figure(strip, point, triangle.along);
+    const RayScene casters(triangle.scene, Truth::mesh, RayScene::Which::casters);
+    const RayScene opaque(triangle.opaque, Truth::mesh, RayScene::Which::casters);
+    const FaceRays rays(casters, point, {}, no_mesh, 0, figure), blocked(opaque, point, {}, no_mesh, 0, figure);
+    const Scramble scramble(static_cast<std::uint64_t>(s));
+    for (std::uint32_t group = 0; group < 8; ++group) {
+      const Squares squares = scramble.of_first(group);
+      const FaceHits hits = rays.ask(squares);
+      EXPECT_EQ(hits.asked, 0xffffu);
+      EXPECT_EQ(hits.hidden_count(), 0) << s << ' ' << group;
+      reported += std::popcount(blocked.ask(squares).blocked);
+    }
+  }
+  EXPECT_GT(reported, 10);
+}
+
 }  // namespace gnomon::soft_glass_test

@@ -3,6 +3,7 @@
 #include <gnomon/kit/rays/rays.h>
 #include <gtest/gtest.h>
 
+#include <bit>
 #include <cmath>
 #include <set>
 
@@ -264,6 +265,50 @@ TEST(ray_glass, a_triangle_reported_twice_counts_once) {
     }
   }
   EXPECT_GT(at_edges, 50);
+}
+
+// Embree reports now and then that a ray meets a triangle in whose plane it lies, wherever that is: the opaque one shows it.
+TEST(ray_glass, a_triangle_in_whose_plane_a_ray_passes_it_is_not_crossed) {
+  Random random(37);
+  std::array<Crossings, ray_lanes> crossings;
+  int reported = 0;
+  for (int s = 0; s < 90; ++s) {
+    const double unit = units[s % 3];
+    const glass::TiltedTriangle triangle(random, unit);
+    const RayScene rays(triangle.scene, Truth::mesh, RayScene::Which::casters);
+    const RayScene opaque(triangle.opaque, Truth::mesh, RayScene::Which::casters);
+    const glm::dvec3 light = triangle.at(4, 1.6);
+    for (int i = 0; i < 8; ++i) {
+      ShadowPacket packet;
+      for (int k = 0; k < ray_lanes; ++k) {
+        const glm::dvec3 origin = triangle.at(-4 + 0.02 * (16 * i + k), 1.6);
+        // Half of them go on behind the light.
+        set_ray(packet, k, origin, light - origin, k % 2 ? 1 : INFINITY);
+      }
+      ShadowPacket again = packet;
+      reported += std::popcount(opaque.occluded(0xffff, again, {nobody, nobody}));
+      EXPECT_EQ(rays.crossed(0xffff, packet, {nobody, nobody}, crossings), 0u);
+      for (int k = 0; k < ray_lanes; ++k) EXPECT_TRUE(crossings[k].empty()) << s << ' ' << i << ' ' << k;
+    }
+  }
+  EXPECT_GT(reported, 20);
+}
+
+// A sheet of texels before an opaque card: half of it is not there.
+TEST(ray_glass, the_closest_caster_is_behind_texels_that_let_all_light_through) {
+  for (const double unit : units) {
+    Scene scene;
+    for (const Mesh& mesh : {glass_card(1, 1, glass::texels(2, 1, {1, 0.5f})), glass_card(1, 2, 1), hand_made::square(1, 3)})
+      scene.meshes.push_back(in_units(mesh, unit));
+    const RayScene rays(scene, Truth::mesh, RayScene::Which::casters);
+    for (const double x : {-0.4, 0.4}) {
+      const glm::dvec3 origin = unit * glm::dvec3(x, 0, 0.1), up(0, 1, 0);
+      EXPECT_EQ(rays.closest(origin, up).mesh, 0u) << unit;
+      const RayScene::Hit hit = rays.closest_caster(origin, up);
+      EXPECT_EQ(hit.mesh, x < 0 ? 2u : 0u) << unit << ' ' << x;
+      EXPECT_NEAR(hit.t, (x < 0 ? 3 : 1) * unit, 1e-6 * unit) << unit << ' ' << x;
+    }
+  }
 }
 
 }  // namespace gnomon::ray_glass_test

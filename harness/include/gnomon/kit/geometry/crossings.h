@@ -19,6 +19,11 @@ class Crossings {
   void clear() { crossed_.clear(); }
   bool empty() const { return crossed_.empty(); }
   void add(std::uint32_t mesh, std::uint32_t triangle) { crossed_.push_back({mesh, triangle}); }
+  /// Takes out those of which `is_out` says so.
+  template <std::predicate<const Crossed&> IsOut>
+  void erase_if(const IsOut& is_out) {
+    std::erase_if(crossed_, is_out);
+  }
   std::span<const Crossed> sorted() {
     if (crossed_.size() > 1) {
       std::ranges::sort(crossed_);

@@ -60,6 +60,8 @@ class RayScene {
     double t = INFINITY;   ///< along the direction given; as Embree has it, in float32 precision on triangles
   };
   Hit closest(const glm::dvec3& origin, const glm::dvec3& direction) const;
+  /// The same of what keeps light off: a texel that lets all of it through is not there.
+  Hit closest_caster(const glm::dvec3& origin, const glm::dvec3& direction) const;
 
   /// Whether anything opaque blocks each of the packet's rays; bit k of the result is ray k. Lanes off in `valid` answer 0.
   std::uint32_t occluded(std::uint32_t valid, ShadowPacket& packet, const Receivers& receivers) const;
