@@ -156,7 +156,7 @@ std::vector<AxisSeries> join_series(std::span<const Record> records, const std::
     const auto [found, is_new] = places.try_emplace({place, key}, all.size());
     if (is_new) all.push_back({.place = place, .setting = setting_name(r), .role = r.role, .rows = {}});
     AxisSeries& series = all[found->second];
-    if (axis == "lights") x = static_cast<double>(has_together ? r.lights.size() : series.rows.size() + 1);
+    if (axis == "lights") x = static_cast<double>(has_together ? light_count(r) : series.rows.size() + 1);
     if (has_together && std::ranges::find(series.rows, *x, &std::pair<double, const Record*>::first) != series.rows.end())
       continue;
     series.rows.emplace_back(*x, &r);

@@ -6,6 +6,7 @@
 
 #include "app/command_line.h"
 #include "measure/record/record.h"
+#include "measure/scene/channels.h"
 #include "measure/worker/worker_process.h"
 
 namespace gnomon::app {
@@ -57,13 +58,29 @@ inline std::vector<std::string> listed(const std::string& name) {
   return name.empty() ? std::vector<std::string>() : std::vector{name};
 }
 
-/// The lights or views of these names; all without names.
+/// The lights or views of these names; all without names. A light that glass colors is its three channels (split_lights).
 template <class Item>
 std::vector<const Item*> chosen(const std::vector<Item>& items, const std::vector<std::string>& names) {
   std::vector<const Item*> result;
   for (const Item& item : items)
-    if (names.empty() || std::ranges::find(names, item.name) != names.end()) result.push_back(&item);
+    if (names.empty() || std::ranges::find(names, item.name) != names.end() ||
+        std::ranges::find(names, whole_name(item.name)) != names.end())
+      result.push_back(&item);
   return result;
+}
+
+/// Items of lights in a scene's order: those of a light's three channels together, every other one by itself. `name_of` an item
+/// is the name of its light.
+template <class Item, class NameOf>
+std::vector<std::vector<Item>> by_whole_light(const std::vector<Item>& items, NameOf name_of) {
+  constexpr std::size_t channels = std::size(all_channels);
+  std::vector<std::vector<Item>> groups;
+  for (auto item = items.begin(); item != items.end(); item += static_cast<std::ptrdiff_t>(groups.back().size())) {
+    const auto left = static_cast<std::size_t>(items.end() - item);
+    const bool are_channels = left >= channels && whole_name(name_of(*item)) == whole_name(name_of(item[channels - 1]));
+    groups.emplace_back(item, item + (are_channels ? channels : 1));
+  }
+  return groups;
 }
 
 /// WorkerOptions from --threads and the plugins. Throws Error on more threads than cores.

@@ -26,10 +26,10 @@ int run_certify(const CertifyCommand& options) {
   const std::vector<const Light*> lights = chosen(scene.lights, options.lights);
   std::vector<const View*> views = chosen(scene.views, options.views);
   if (options.views.empty()) views.resize(1);  // the one that suites use
-  for (const Light* light : lights) require_reference(scene, *light, scene.views.front());
   Progress progress;
   FrameStore frames(scene, cache_root() / "frames",
                     std::make_unique<WorkerFrameMaker>(std::filesystem::path(), "", shown_on(progress, options.scene)));
+  for (const Light* light : lights) require_reference(frames.scene(*light), *light, scene.views.front());
   bool all_hold = true;
   Json list = Json::array();
   const auto report = [&](const auto& certificate) {
@@ -45,12 +45,13 @@ int run_certify(const CertifyCommand& options) {
       const FrameKey key{*view, width, height, Truth::mesh};
       const Reference reference = frames.reference(key, *light);
       const GBuffer gbuffer = frames.gbuffer(key);
-      const std::string casters = frames.casters(Truth::mesh).description();
+      const std::string casters = frames.casters(Truth::mesh, *light).description();
       const auto is_uncertain = [&](std::size_t i) { return reference.classes[i] == PixelClass::U; };
+      const Scene& lit = frames.scene(*light);
       if (reference.kind == AnswerKind::fraction)
-        report(certify_soft(scene, *light, gbuffer, reference, {.reference = casters}));
+        report(certify_soft(lit, *light, gbuffer, reference, {.reference = casters}));
       else
-        report(certify(scene, *light, gbuffer, reference.mask, {.is_uncertain = is_uncertain, .reference = casters}));
+        report(certify(lit, *light, gbuffer, reference.mask, {.is_uncertain = is_uncertain, .reference = casters}));
     }
   if (options.json) fmt::print("{}\n", json_text(list, 2));
   return all_hold ? 0 : 1;

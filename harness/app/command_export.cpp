@@ -31,18 +31,35 @@ Json with_names(Json arrays) {
 }
 
 /// What is true under a light: `visibility`, `class`; with area also the standard error and what half of the rays
-/// say, and all three of the irradiance.
-Arrays reference_arrays(const Reference& reference, std::span<const std::uint32_t> classes, int width, int height) {
-  const std::vector<std::size_t> shape = {static_cast<std::size_t>(height), static_cast<std::size_t>(width)};
-  Arrays arrays = {{"visibility", array_of<float>(shape, {reference.mask})},
-                   {"class", array_of<std::uint32_t>(shape, {classes})}};
-  if (reference.error.empty()) return arrays;
-  arrays.emplace("error", array_of<float>(shape, {reference.error}));
-  arrays.emplace("irradiance", array_of<float>(shape, {reference.irradiance}));
-  arrays.emplace("irradiance_error", array_of<float>(shape, {reference.irradiance_error}));
-  arrays.emplace("half", array_of<float>(shape, {reference.half}));
-  arrays.emplace("irradiance_half", array_of<float>(shape, {reference.irradiance_half}));
+/// say, and all three of the irradiance. Of a light's three channels each array is 3 x height x width.
+Arrays reference_arrays(std::span<const Reference> channels, int width, int height) {
+  std::vector<std::size_t> shape = {static_cast<std::size_t>(height), static_cast<std::size_t>(width)};
+  if (channels.size() > 1) shape.insert(shape.begin(), channels.size());
+  Arrays arrays;
+  const auto add = [&](const char* name, std::span<const float> Reference::*numbers) {
+    ArrayParts& array = arrays.emplace(name, array_of<float>(shape, {})).first->second;
+    for (const Reference& reference : channels) array.parts.push_back(std::as_bytes(reference.*numbers));
+  };
+  add("visibility", &Reference::mask);
+  if (channels.front().error.empty()) return arrays;
+  add("error", &Reference::error);
+  add("irradiance", &Reference::irradiance);
+  add("irradiance_error", &Reference::irradiance_error);
+  add("half", &Reference::half);
+  add("irradiance_half", &Reference::irradiance_half);
   return arrays;
+}
+
+/// One light of the frame, of one channel or all three, with its reference in files of the folder.
+Json write_light(const fs::path& folder, const Light& light, std::span<const Reference> channels, int width, int height) {
+  Arrays arrays = reference_arrays(channels, width, height);
+  std::vector<std::uint32_t> classes;
+  for (const Reference& reference : channels)
+    for (const PixelClass c : reference.classes) classes.push_back(static_cast<std::uint32_t>(c));
+  arrays.emplace("class", array_of<std::uint32_t>(arrays.at("visibility").shape, {classes}));
+  Json json = scene_json(light);
+  json["reference"] = with_names(write_arrays(folder, "reference_" + light.name, arrays));
+  return json;
 }
 
 void export_frame(const ExportOptions& options) {
@@ -51,7 +68,10 @@ void export_frame(const ExportOptions& options) {
   require_names(options.scene, scene, options.lights, listed(options.view));
   const FrameKey key{named_or_first(scene.views, options.view), width, height, parse_truth(options.truth)};
   const std::vector<const Light*> lights = chosen(scene.lights, options.lights);
-  for (const Light* light : lights) require_reference(scene, *light, key.view);
+  Progress progress;
+  FrameStore frames(scene, cache_root() / "frames",
+                    std::make_unique<WorkerFrameMaker>(fs::path(), "", shown_on(progress, options.scene)));
+  for (const Light* light : lights) require_reference(frames.scene(*light), *light, key.view);
 
   StagedFolder folder(options.out);
   Json facts = scene_facts_json(scene);
@@ -59,9 +79,6 @@ void export_frame(const ExportOptions& options) {
   write_file(folder.path / "scene.json", json_text(facts, 1) + "\n");
   write_gltf(folder.path / "scene.gltf", scene);
 
-  Progress progress;
-  FrameStore frames(scene, cache_root() / "frames",
-                    std::make_unique<WorkerFrameMaker>(fs::path(), "", shown_on(progress, options.scene)));
   const GBuffer gbuffer = frames.gbuffer(key);
   Json frame = json_object({{"scene", options.scene},
                             {"view", scene_json(key.view)},
@@ -74,19 +91,19 @@ void export_frame(const ExportOptions& options) {
   for (std::size_t c = 0; c < class_infos().size(); ++c) frame["classes"][std::string(class_infos()[c].letter)] = c;
   write_gbuffer_exr(folder.path / "gbuffer.exr", gbuffer);
 
-  std::vector<Reference> references;  // which own what the channels look at
+  std::vector<std::vector<Reference>> references;  // by light and channel; they own what `channels` looks at
   std::vector<std::string> names;
   std::vector<std::span<const float>> channels;
-  for (const Light* light : lights) {
-    const Reference& reference = references.emplace_back(frames.reference(key, *light));
-    names.push_back(light->name + ".V");
-    channels.push_back(reference.mask);
-    std::vector<std::uint32_t> classes;
-    for (const PixelClass c : reference.classes) classes.push_back(static_cast<std::uint32_t>(c));
-    Json one = scene_json(*light);
-    one["reference"] =
-        with_names(write_arrays(folder.path, "reference_" + light->name, reference_arrays(reference, classes, width, height)));
-    frame["lights"].push_back(one);
+  for (const auto& group : by_whole_light(lights, [](const Light* light) { return std::string_view(light->name); })) {
+    std::vector<Reference>& found = references.emplace_back();
+    for (const Light* light : group) {
+      found.push_back(frames.reference(key, *light));
+      names.push_back(light->name + ".V");
+      channels.push_back(found.back().mask);
+    }
+    Light light = *group.front();
+    if (group.size() > 1) light.name = whole_name(light.name);
+    frame["lights"].push_back(write_light(folder.path, light, found, width, height));
   }
   write_exr(folder.path / "reference.exr", width, height, names, channels);
   write_file(folder.path / "frame.json", json_text(frame, 1) + "\n");

@@ -120,7 +120,7 @@ std::string summary(const Record& record, const ErrorCounts& errors) {
                                  percent("constant_error"));
   if (record.metric("error_floor")) text += ", floor " + percent("error_floor");
   if (record.answer == AnswerKind::received)
-    return fmt::format("{} lights, {}, light received {} (rms), FLIP {:.4f}", record.lights.size(), text,
+    return fmt::format("{} lights, {}, light received {} (rms), FLIP {:.4f}", light_count(record), text,
                        percent("received_error_rms"), record.metric("flip").value_or(0));
   text += ", wrong " + percent("wrong_rate");
   if (record.answer == AnswerKind::binary || record.answer == AnswerKind::transmitted)
@@ -219,7 +219,13 @@ class Rendering {
       return (kind == AnswerKind::binary ? draw_mask : draw_soft_mask)(mask, width, height);
     };
     const Evidence evidence = measured.evidence(run_.scene);
-    write_png(picture_file("mask", tail), drawn(measured.mask(), evidence.kind));
+    if (measured.together && !measured.together->channels.empty()) {
+      std::array<std::span<const float>, std::size(all_channels)> channels;
+      for (const Together& one : measured.together->channels) channels[static_cast<std::size_t>(*one.channel)] = one.shown;
+      write_png(picture_file("mask", tail), draw_color_mask(channels, width, height));
+    } else {
+      write_png(picture_file("mask", tail), drawn(measured.mask(), evidence.kind));
+    }
     write_png(picture_file("shaded", tail), shade(run_.scene, measured));
     write_png(picture_file("error", tail), draw_errors(evidence, job.contender.name()));
     for (std::size_t k = 0; k < measured.lights.size(); ++k) {

@@ -30,24 +30,47 @@ struct ScoreOptions {
 };
 
 /// A light of the scene, and the channel of the file with its mask.
-struct Channel {
+struct LightChannel {
   const Light& light;
   std::string name;
 };
 
-/// By the names that this program writes, LIGHT.V; by another name only of a single light and channel.
-std::vector<Channel> channels_of(const ScoreOptions& options, const Scene& scene) {
+/// Red, green and blue of a picture that has these three channels, and perhaps alpha; of any other file nothing.
+std::vector<std::string> colors_of(std::vector<std::string> present) {
+  std::erase_if(present, [](const std::string& name) { return name == "A" || name == "a"; });
+  std::ranges::sort(present, std::greater<>());
+  const bool are_colors =
+      present == std::vector<std::string>{"R", "G", "B"} || present == std::vector<std::string>{"r", "g", "b"};
+  return are_colors ? present : std::vector<std::string>();
+}
+
+/// Whether these are channels of one light that glass colors.
+bool are_of_one_colored(const std::vector<const Light*>& lights) {
+  const std::string_view whole = whole_name(lights.front()->name);
+  return std::ranges::all_of(lights,
+                             [&](const Light* light) { return light->name != whole && whole_name(light->name) == whole; });
+}
+
+/// By the names that this program writes, LIGHT.V; by another name only of a single light and channel, or of the three channels
+/// of a light those of a color picture.
+std::vector<LightChannel> channels_of(const ScoreOptions& options, const Scene& scene) {
   const std::vector<std::string> present = image_files().exr_channels(options.mask);
   const auto has = [&](const std::string& name) { return std::ranges::find(present, name) != present.end(); };
   const std::vector<const Light*> lights = chosen(scene.lights, options.lights);
   const std::string file = options.mask.string(), names = joined(present, ", ");
+  const bool is_colored = are_of_one_colored(lights);
   if (!options.channel.empty()) {
     if (lights.size() != 1)
-      throw Error("--channel {} is of one light, and {} are asked for: name one with --light", options.channel, lights.size());
+      throw Error("--channel {} is of one light, and {} are asked for: name one with --light{}", options.channel, lights.size(),
+                  is_colored ? " " + lights[0]->name : "");
     if (!has(options.channel)) throw Error("{} has no channel {}; it has: {}", file, options.channel, names);
     return {{*lights[0], options.channel}};
   }
-  std::vector<Channel> channels;
+  std::vector<LightChannel> channels;
+  if (const std::vector<std::string> colors = colors_of(present); is_colored && !colors.empty()) {
+    for (const Light* light : lights) channels.push_back({*light, colors[static_cast<std::size_t>(*channel_of(light->name))]});
+    return channels;
+  }
   for (const Light* light : lights) {
     const std::string name = light->name + ".V";
     if (has(name))
@@ -55,7 +78,8 @@ std::vector<Channel> channels_of(const ScoreOptions& options, const Scene& scene
     else if (lights.size() == 1 && present.size() == 1)
       channels.push_back({*light, present[0]});
     else if (!options.lights.empty())
-      throw Error("{} has no channel {}; it has: {}", file, name, names);
+      throw Error("{} has no channel {}; it has: {}. Name one with {}--channel", file, name, names,
+                  lights.size() == 1 ? "" : "--light and ");
   }
   if (channels.empty())
     throw Error("{} has no channel LIGHT.V for a light of {}; it has: {}. Name one with --light and --channel", file,
@@ -98,10 +122,10 @@ Json json_of(const Metrics& metrics) {
   return values;
 }
 
-/// What a change of the whole mask explains, in words and in numbers.
-Json json_of(const ScoredMask& mask) {
-  const WholeMask& whole = *mask.whole;
-  Json json = json_object({{"change", name(whole.change)}, {"explained", whole.explained}, {"words", mask.words()}});
+/// What a change of the whole mask of a light explains, in words and in numbers.
+Json change_json(const ScoredMask& mask, std::size_t light) {
+  const WholeMask& whole = *mask.whole[light];
+  Json json = json_object({{"change", name(whole.change)}, {"explained", whole.explained}, {"words", mask.words(light)}});
   if (whole.change == WholeMask::Change::shift) json["pixels"] = {whole.shift.x, whole.shift.y};
   if (whole.change == WholeMask::Change::gamma) json["power"] = whole.gamma;
   if (whole.change == WholeMask::Change::blur) json["sigma"] = whole.sigma;
@@ -118,10 +142,23 @@ std::map<std::string, std::uint64_t> causes_that_occur(const Score& score) {
 /// Their parts of the wrong rate; of an answer that is a fraction, of the mean error.
 std::map<std::string, double> shares_of(const std::map<std::string, std::uint64_t>& causes, const RowScore& score) {
   std::map<std::string, double> shares;
-  const auto tested = static_cast<double>(std::max<std::size_t>(1, score.errors.tested));
+  std::uint64_t tested = 0;  // under each light
+  for (const Score& light : score.lights) tested += light.classes.at("T");
   for (const auto& [cause, pixels] : causes)
-    shares[cause] = score.whole.cause_errors ? score.whole.cause_errors->at(cause) : static_cast<double>(pixels) / tested;
+    shares[cause] = score.whole.cause_errors ? score.whole.cause_errors->at(cause)
+                                             : static_cast<double>(pixels) / static_cast<double>(tested);
   return shares;
+}
+
+/// Adds what is said of the score of a light or a row.
+void put(Json& json, const Score& score) {
+  const std::map<std::string, std::uint64_t> causes = causes_that_occur(score);
+  json["metrics"] = json_of(score.metrics);
+  json["classes"] = score.classes;
+  json["causes"] = causes;
+  if (!score.cause_errors) return;
+  Json& errors = json["cause_errors"] = json_object();
+  for (const auto& [cause, pixels] : causes) errors[cause] = score.cause_errors->at(cause);
 }
 
 /// The masks of a file, and the frame that they are of.
@@ -129,39 +166,43 @@ struct Question {
   const ScoreOptions& options;
   const Scene& scene;
   FrameKey key;
-  std::vector<Channel> channels;
-  std::vector<std::vector<float>> masks;  ///< by channel
+  std::vector<std::vector<ForeignMask>> rows;  ///< of one light, or of a light's three channels
 };
 
-/// Says one light's score, or adds it to the list.
+/// Says one row's score, or adds it to the list.
 void report(const Question& question, std::size_t k, const ScoredMask& mask, Json& list) {
   const RowScore& score = mask.score;
   const ScoreOptions& options = question.options;
-  const Channel& channel = question.channels[k];
+  const std::vector<ForeignMask>& masks = question.rows[k];
   const FrameKey& key = question.key;
-  const std::map<std::string, std::uint64_t> causes = causes_that_occur(score.whole);
-  const std::map<std::string, double> shares = shares_of(causes, score);
   if (!options.json) {
     fmt::print("{}scene {}, light {}, view {}, {} x {}, {} truth: {} of {} pixels facing the light are tested\n\n{}",
-               k == 0 ? "" : "\n", options.scene, channel.light.name, key.view.name, key.width, key.height, options.truth,
-               score.errors.tested, score.errors.facing, text_of(score.whole.metrics, shares));
+               k == 0 ? "" : "\n", options.scene, light_of(masks), key.view.name, key.width, key.height, options.truth,
+               score.errors.tested, score.errors.facing,
+               text_of(score.whole.metrics, shares_of(causes_that_occur(score.whole), score)));
     if (const std::string words = mask.words(); !words.empty()) fmt::print("\n{}\n", words);
     return;
   }
   Json& row = list.emplace_back();
   row["scene"] = options.scene;
-  row["light"] = channel.light.name;
+  row["light"] = light_of(masks);
   row["view"] = key.view.name;
   row["width"] = key.width;
   row["height"] = key.height;
   row["truth"] = options.truth;
   row["mask"] = options.mask.string();
-  row["channel"] = channel.name;
-  row["metrics"] = json_of(score.whole.metrics);
-  row["classes"] = score.whole.classes;
-  row["causes"] = causes;
-  if (score.whole.cause_errors) row["cause_errors"] = shares;
-  if (mask.whole) row["whole_mask"] = json_of(mask);
+  if (masks.size() == 1) row["channel"] = masks[0].channel;
+  put(row, score.whole);
+  if (masks.size() == 1) {
+    if (mask.whole[0]) row["whole_mask"] = change_json(mask, 0);
+    return;
+  }
+  for (std::size_t light = 0; light < masks.size(); ++light) {
+    Json one = json_object({{"light", masks[light].light.name}, {"channel", masks[light].channel}});
+    put(one, score.lights[light]);
+    if (mask.whole[light]) one["whole_mask"] = change_json(mask, light);
+    row["lights"].push_back(std::move(one));
+  }
 }
 
 /// "resolve=12.5": milliseconds by stage that the caller claims.
@@ -181,7 +222,7 @@ std::map<Stage, double> told_times(const std::vector<std::string>& words) {
 }
 
 /// What the rows are called. Throws Error on what is wrong with it before anything is read. Nothing where no row is requested.
-std::optional<ForeignMask> wanted_row(const ScoreOptions& options) {
+std::optional<ForeignNames> wanted_row(const ScoreOptions& options) {
   if (options.label.empty() && options.technique.empty()) {
     if (!options.told.empty()) throw Error("--ms is of a row: give it a --label, and --out for the run's folder");
     if (fs::exists(records_file(options.out)))
@@ -189,7 +230,7 @@ std::optional<ForeignMask> wanted_row(const ScoreOptions& options) {
     return std::nullopt;
   }
   if (options.out.empty()) throw Error("--label makes a row: --out names the run's folder that it goes to");
-  ForeignMask row;
+  ForeignNames row;
   row.technique = options.technique.empty() ? id_of_label(options.label) : options.technique;
   row.label = options.label.empty() ? row.technique : options.label;
   if (row.technique.empty())
@@ -201,16 +242,11 @@ std::optional<ForeignMask> wanted_row(const ScoreOptions& options) {
 }
 
 /// Each light's mask as a row of the run in `--out`.
-void score_rows(Question& question, const ForeignMask& called, FrameStore& frames, Json& list) {
+void score_rows(const Question& question, const ForeignNames& called, FrameStore& frames, Json& list) {
   const ScoreOptions& options = question.options;
   std::vector<ForeignRow> rows;
-  for (std::size_t k = 0; k < question.channels.size(); ++k) {
-    ForeignMask mask = called;
-    mask.channel = question.channels[k].name;
-    mask.values = std::move(question.masks[k]);
-    rows.push_back(
-        foreign_row(question.scene, options.scene, frames, question.key, question.channels[k].light, std::move(mask)));
-  }
+  for (const std::vector<ForeignMask>& masks : question.rows)
+    rows.push_back(foreign_row(question.scene, options.scene, frames, question.key, masks, called));
   add_foreign_rows(options.out, question.scene, rows);
   write_tables(options.out, read_records(options.out));
   for (std::size_t k = 0; k < rows.size(); ++k) report(question, k, rows[k].scored, list);
@@ -226,16 +262,15 @@ void score_rows(Question& question, const ForeignMask& called, FrameStore& frame
 }
 
 /// The scores, and pictures of them where a folder is named.
-void score_masks(Question& question, FrameStore& frames, Json& list) {
+void score_masks(const Question& question, FrameStore& frames, Json& list) {
   const ScoreOptions& options = question.options;
   std::unique_ptr<StagedFolder> folder;
   if (!options.out.empty()) folder = std::make_unique<StagedFolder>(options.out);
-  FrameKey key = question.key;
-  for (std::size_t k = 0; k < question.channels.size(); ++k) {
-    const Light& light = question.channels[k].light;
-    const ScoredMask scored = scored_mask(question.scene, frames, key, light, std::move(question.masks[k]));
+  for (std::size_t k = 0; k < question.rows.size(); ++k) {
+    const std::vector<ForeignMask>& masks = question.rows[k];
+    const ScoredMask scored = scored_mask(question.scene, frames, question.key, masks);
     if (folder) {
-      const std::string tail = question.channels.size() == 1 ? "" : "_" + light.name;
+      const std::string tail = question.rows.size() == 1 ? "" : "_" + light_of(masks);
       write_png(folder->path / ("error" + tail + ".png"),
                 draw_errors(scored.measured.evidence(question.scene), options.mask.filename().string()));
       write_png(folder->path / ("shaded" + tail + ".png"), shade(question.scene, scored.measured));
@@ -246,19 +281,23 @@ void score_masks(Question& question, FrameStore& frames, Json& list) {
 }
 
 void score(const ScoreOptions& options) {
-  const std::optional<ForeignMask> called = wanted_row(options);
+  const std::optional<ForeignNames> called = wanted_row(options);
   const Scene scene = load_scene(options.scene);
   require_names(options.scene, scene, options.lights, listed(options.view));
   const View& view = named_or_first(scene.views, options.view);
-  Question question{options, scene, {}, channels_of(options, scene), {}};
-  for (const Channel& channel : question.channels) require_reference(scene, channel.light, view);
-  const auto [width, height] = image_files().exr_size(options.mask);
-  question.key = {view, width, height, parse_truth(options.truth)};
-  for (const Channel& channel : question.channels)  // all of them before the reference, which takes its time
-    question.masks.push_back(read_mask(options.mask, channel.name, width, height));
+  const std::vector<LightChannel> channels = channels_of(options, scene);
   Progress progress;
   FrameStore frames(scene, cache_root() / "frames",
                     std::make_unique<WorkerFrameMaker>(fs::path(), "", shown_on(progress, options.scene)));
+  for (const LightChannel& channel : channels) require_reference(frames.scene(channel.light), channel.light, view);
+  const auto [width, height] = image_files().exr_size(options.mask);
+  std::vector<ForeignMask> masks;
+  for (const LightChannel& channel : channels)  // all of them before the reference, which takes its time
+    masks.push_back({channel.light, channel.name, read_mask(options.mask, channel.name, width, height)});
+  const Question question{options,
+                          scene,
+                          {view, width, height, parse_truth(options.truth)},
+                          by_whole_light(masks, [](const ForeignMask& mask) { return std::string_view(mask.light.name); })};
   Json list = Json::array();
   if (called)
     score_rows(question, *called, frames, list);

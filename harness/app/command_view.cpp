@@ -6,6 +6,7 @@
 #include "measure/notice.h"
 #include "measure/run/light_selection.h"
 #include "measure/run/suite.h"
+#include "measure/scene/channels.h"
 #include "measure/scene/load.h"
 #include "measure/scene/names.h"
 
@@ -42,17 +43,14 @@ int view(ViewCommand& options, const Program& program) {
   const Scene& scene = view.loaded->scene;
   const bool is_plain = options.light.empty() || is_light_name(options.light);
   require_names(selection.scene, scene, listed(is_plain ? options.light : ""), listed(options.view_name));
-  if (is_plain) {
-    selection.light = named_or_first(scene.lights, options.light);
-  } else {
-    const std::vector<RowLights> rows = row_lights({options.light}, selection.scene, scene);
-    if (rows.size() != 1)
-      throw Error("--light {} is {} pictures; the window shows one: {}+ is that of all", options.light, rows.size(),
-                  options.light);
-    if (rows[0].lights.size() > 1)
-      for (const std::string& name : rows[0].lights) selection.together.push_back(named_or_first(scene.lights, name));
-    selection.light = named_or_first(scene.lights, rows[0].lights[0]);
-  }
+  const std::string word = options.light.empty() ? whole_lights(scene.lights)[0].name : options.light;
+  const std::vector<RowLights> rows = row_lights({word}, selection.scene, scene);
+  if (rows.size() != 1)
+    throw Error("--light {} is {} pictures; the window shows one: {}+ is that of all", word, rows.size(), word);
+  const std::vector<std::string>& names = rows[0].lights;
+  selection.light = named_or_first(scene.lights, names[0]);
+  if (names.size() > 1)
+    for (const std::string& name : names) selection.together.push_back(named_or_first(scene.lights, name));
   selection.view = named_or_first(scene.views, options.view_name);
   for (const std::string& note : scene.notes) print_notice("note: {}\n", note);
   if (view.out.empty()) view.out = timed_folder("view");

@@ -13,9 +13,8 @@ struct FeatureRow {
 };
 constexpr FeatureRow rows[] = {
     {Feature::alpha_masks, "alpha_masks", "casters with holes (alpha masks)"},
-    {Feature::transmission, "transmission", "casters that let a part of the light through (transmission)"},
-    {Feature::colored_transmission, "colored_transmission", "casters that color the light that they let through"}};
-constexpr Feature features[] = {Feature::alpha_masks, Feature::transmission, Feature::colored_transmission};
+    {Feature::transmission, "transmission", "casters that let a part of the light through (transmission)"}};
+constexpr Feature features[] = {Feature::alpha_masks, Feature::transmission};
 
 }  // namespace
 
@@ -34,7 +33,6 @@ std::vector<Feature> features_of(const Scene& scene) {
   std::vector<Feature> features;
   if (std::ranges::any_of(scene.meshes, has_holes)) features.push_back(Feature::alpha_masks);
   if (scene.has_transmission()) features.push_back(Feature::transmission);
-  if (scene.has_colored_transmission()) features.push_back(Feature::colored_transmission);
   return features;
 }
 
@@ -43,6 +41,8 @@ Support support_of(const About& about, const Technique& technique, const Scene& 
     if (std::ranges::find(about.handles, feature) == about.handles.end())
       return Support::unsupported(fmt::format("the scene has {}, and {} does not state that it handles {}",
                                               rows[static_cast<int>(feature)].what, technique.id(), name(feature)));
+  if (scene.has_colored_transmission())
+    return Support::unsupported("the scene's glass colors the light; a technique is asked about one channel at a time");
   return technique.supports(scene, light, view);
 }
 

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "measure/scene/channels.h"
 #include "measure/scene/scene_json.h"
 #include "report/listing.h"
 #include "report/table/text_table.h"
@@ -168,7 +169,8 @@ std::string describe_text(const std::string& reference, const Scene& scene, std:
   if (const SceneEntry* entry = generator_of(reference))
     text += fmt::format("\n{}\n\n{}", entry->about.summary, parameters_text(*entry->make(), width));
   TextTable lights({{"light", ""}, {"kind", ""}, {"keys of a scene file", "meters"}});
-  for (const Light& light : scene.lights) lights.add_row({light.name, std::string(kind_name(light)), words(scene_keys(light))});
+  for (const Light& light : whole_lights(scene.lights))
+    lights.add_row({light.name, std::string(kind_name(light)), words(scene_keys(light))});
   TextTable views({{"view", ""}, {"keys of a scene file", "meters"}});
   for (const View& view : scene.views) views.add_row({view.name, words(scene_keys(view))});
   return text + fmt::format("\n{}\n{}\n{}{}{}", lights.text(width), views.text(width), mesh_table(scene, width),
@@ -188,7 +190,7 @@ Json describe_json(const std::string& reference, const Scene& scene) {
     json["parameters"] = parameters_json(*entry->make());
   }
   for (const char* list : {"lights", "views", "meshes"}) json[list] = Json::array();
-  for (const Light& light : scene.lights) json["lights"].push_back(scene_json(light));
+  for (const Light& light : whole_lights(scene.lights)) json["lights"].push_back(scene_json(light));
   for (const View& view : scene.views) json["views"].push_back(scene_json(view));
   for (const Mesh& mesh : scene.meshes) json["meshes"].push_back(mesh_json(mesh));
   return json;

@@ -4,6 +4,7 @@
 import json
 import sys
 import unittest
+from array import array
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
@@ -70,12 +71,53 @@ class Glass(ProgramTest):
         self.write("scene.toml", PANE + "transmission = 0.4\n" + FLOOR)
         self.assertIn("0.4", self.succeed("describe", "scene.toml"))
 
-    def test_colored_glass_is_for_nobody_yet(self):
+    def test_colored_glass_is_three_lights_and_one_row(self):
         self.write("scene.toml", PANE + "transmission = [0.9, 0.2, 0.1]\n" + FLOOR)
-        self.gnomon("run", "--scene", "scene.toml", "--technique", "exact_rays", *SMALL, "--out", "out")
+        self.succeed("run", "--scene", "scene.toml", "--technique", "exact_rays", *SMALL, "--out", "out")
         row, = records(self.dir / "out")
-        self.assertEqual(row["support"], "unsupported")
-        self.assertIn("colored_transmission", row["reason"])
+        self.assertEqual((row["light"], row["support"], row["answer"]), ("sun", "full", "transmitted"))
+        self.assertEqual([light["name"] for light in row["lights"]], ["sun.red", "sun.green", "sun.blue"])
+        self.assertLess(row["metrics"]["shape"]["error"], 1e-6)
+        light, = json.loads(self.succeed("describe", "scene.toml", "--json"))["lights"]
+        self.assertEqual(light["name"], "sun")
+        certificates = json.loads(self.succeed("certify", "--scene", "scene.toml", "--light", "sun", "--size", "64x36", "--json"))
+        self.assertEqual([one["light"] for one in certificates], ["sun.red", "sun.green", "sun.blue"])
+
+    def test_masks_of_colored_light_are_exported_and_scored_as_one_row(self):
+        self.write("scene.toml", PANE + "transmission = [0.9, 0.2, 0.1]\n" + FLOOR)
+        scene = ("--scene", "scene.toml", "--light", "sun")
+        channels = ["sun.red.V", "sun.green.V", "sun.blue.V"]
+        self.succeed("export", *scene, *SMALL[-2:], "--out", "given")
+        frame, facts = (json.loads((self.dir / "given" / name).read_text()) for name in ("frame.json", "scene.json"))
+        light, = frame["lights"]
+        self.assertEqual((light["name"], [one["name"] for one in facts["lights"]]), ("sun", ["sun"]))
+        for name in ("visibility", "class"):
+            self.assertEqual(light["reference"][name]["shape"], [3, 90, 160])
+        scored, = json.loads(self.succeed("score", *scene[:2], "--mask", "given/reference.exr", "--json"))
+        self.assertEqual((scored["light"], [one["channel"] for one in scored["lights"]]), ("sun", channels))
+        self.assertEqual((scored["metrics"]["error"], scored["metrics"]["hue_error"]), (0, 0))
+
+        # The same as a color picture: a byte is off by half a step at most.
+        truth = array("f", (self.dir / "given" / light["reference"]["visibility"]["file"]).read_bytes()[128:])
+        pixels = 90 * 160
+        color = bytes(round(255 * truth[channel * pixels + i]) for i in range(pixels) for channel in range(3))
+        self.write("mask.ppm", b"P6 160 90 255\n" + color)
+        scored, = json.loads(self.succeed("score", *scene, "--mask", "mask.ppm", "--json", "--out", "pictures"))
+        self.assertEqual([one["channel"] for one in scored["lights"]], ["R", "G", "B"])
+        self.assertLess(scored["metrics"]["error"], 0.5 / 255 + 1e-6)
+        self.assertEqual(self.names(self.dir / "pictures"), ["error.png", "shaded.png"])
+        self.succeed("score", *scene, "--mask", "mask.ppm", "--label", "Mine", "--out", "rows")
+        row, = records(self.dir / "rows")
+        self.assertEqual((row["light"], row["context"]["foreign"]["channel"], len(row["lights"])), ("sun", "R, G, B", 3))
+        self.assertEqual(row["metrics"]["shape"]["error"], scored["metrics"]["error"])
+        red, = json.loads(self.succeed("score", *scene[:2], "--light", "sun.red", "--mask", "mask.ppm", "--channel", "R", "--json"))
+        self.assertEqual((red["light"], red["channel"]), ("sun.red", "R"))
+        self.assertEqual(red["metrics"]["error"], scored["lights"][0]["metrics"]["error"])
+
+        # One channel says nothing of the other two.
+        self.write("mask.pgm", b"P5 160 90 255\n" + color[::3])
+        self.refuse("score", *scene, "--mask", "mask.pgm", says=("no channel sun.red.V", "--light and --channel"))
+        self.refuse("score", *scene, "--mask", "mask.ppm", "--channel", "R", says=("3 are asked for", "--light sun.red"))
 
 
 if __name__ == "__main__":

@@ -105,7 +105,8 @@ class Score(ProgramTest):
             (("--mask", mask, "--light", "moon"), ("no light moon", "point, sun")),
             (("--mask", mask, "--view", "below"), ("no view below",)),
             (("--mask", mask, "--light", "sun", "--channel", "Z"), ("no channel Z", "point.V", "sun.V")),
-            (("--mask", picture), ("no channel LIGHT.V", "R, G, B")),
+            (("--mask", picture), ("no channel LIGHT.V", "R, G, B", "--channel")),
+            (("--mask", picture, "--light", "sun"), ("no channel sun.V", "R, G, B", "with --channel")),
             (("--mask", picture, "--channel", "R"), ("--channel R", "2 are asked for", "--light")),
         ):
             self.refuse("score", *SCENE, *arguments, says=words)

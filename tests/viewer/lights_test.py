@@ -7,7 +7,17 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 from pictures import read_png  # noqa: E402
-from rig import ViewerTest  # noqa: E402
+from rig import SCENE, STEP, ViewerTest  # noqa: E402
+
+# Above half of the floor.
+PANE = """
+[[shape]]
+kind = "plane"
+center = [2, 0.5, 0]
+normal = [0, 1, 0]
+size = [2, 2]
+transmission = [0, 0.5, 1]
+"""
 
 
 def names(saved):
@@ -65,6 +75,35 @@ class Together(ViewerTest):
         again = viewer.until(lambda s: len(s.lights) == 3, "all lights")
         self.assertEqual(again.window["light"], "panel")
         self.assertEqual(again.lights[0]["position"], [0.5, 2.25, 0.25])  # as the scene has it
+
+    def test_a_light_behind_colored_glass_is_one_light_and_its_picture_is_in_color(self):
+        self.write("pane.toml", SCENE + PANE)
+        viewer = self.view("--scene", "pane.toml", "--size", "480x400", "--technique", "exact_rays")
+        start = viewer.save()
+        self.assertEqual((names(start), start.option("light")), (["lamp"], "lamp"))
+        self.assertEqual(start.window["together"], ["lamp.red", "lamp.green", "lamp.blue"])
+        viewer.press("b", "1", "5")
+        moved = viewer.save()
+        self.assert_near(moved.light["position"], [0.5 + STEP, 2.25, 0.25])
+        folder = self.assert_renders_alike(moved)
+        self.assertEqual(len(moved.mask[2]), 3 * 480 * 400)
+        self.assertEqual(moved.picture, read_png(folder / "shaded.png"))
+        # The floor is gray and the triangle red: behind the pane there is no red, half of the green and all blue.
+        pixels = moved.picture.pixels
+        colored = sum(r < g < b for r, g, b in zip(pixels[::3], pixels[1::3], pixels[2::3]))
+        self.assertGreater(colored, 1000)
+        # Its green alone stays where the light is, and is gray; then all lights, with it.
+        viewer.choose(moved, "light", "lamp.green")
+        green = viewer.until(lambda s: not s.window["together"], "the green channel")
+        self.assertEqual((names(green), green.light, green.option("light")), (["lamp"], moved.light, "lamp.green"))
+        self.assert_renders_alike(green)
+        viewer.press("e")
+        together = viewer.save()
+        self.assertEqual((names(together), len(together.window["together"])), (["lamp", "noon", "panel"], 9))
+        self.assertEqual((together.lights[0], together.option("light")), (moved.light, "all+"))
+        viewer.press("e")
+        alone = viewer.save()
+        self.assertEqual((names(alone), alone.light, alone.option("light")), (["lamp"], moved.light, "lamp"))
 
 
 if __name__ == "__main__":

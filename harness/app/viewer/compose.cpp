@@ -90,15 +90,29 @@ class SidePainter {
     const auto fill = [&](auto&& color_of) {
       for (int x = first; x < last; ++x) scratch.colors[x] = color_of(x, row + x);
     };
+    // The gray of each channel of the mask.
+    const auto in_color = [&](auto&& gray_of) {
+      fill([&](int x, std::size_t i) {
+        const std::size_t k = mask_index(side_, gbuffer_, x, y);
+        Color color;
+        for (std::size_t c = 0; c < color.size(); ++c) color[c] = gray_of(i, c, channel_at(side_, c, k));
+        return pack(color);
+      });
+    };
     switch (shown_) {
       case Content::dimmed:
         return fill([&](int, std::size_t i) { return pack_gray(dimmed_at(i)); });
       case Content::shaded: {
+        if (is_colored_)
+          return in_color([&](std::size_t i, std::size_t c, float v) {
+            return gbuffer_.is_background(i) ? background_srgb[c] : srgb_fast(steps_, albedo_at(i)[c] * light_at(i, v));
+          });
         const float* const v = visibility(side_, y, first, last, scratch.visibility[0]);
         static const std::uint32_t background = pack(background_srgb);
         return fill([&](int x, std::size_t i) { return gbuffer_.is_background(i) ? background : pack(shaded_at(i, v[x])); });
       }
       case Content::mask: {
+        if (is_colored_) return in_color([](std::size_t, std::size_t, float v) { return mask_gray(v); });
         const float* const v = visibility(side_, y, first, last, scratch.visibility[0]);
         return fill([&](int x, std::size_t) { return pack_gray(mask_gray(v[x])); });
       }
@@ -125,9 +139,9 @@ class SidePainter {
   /// What the paint `difference` compares the side with.
   const ComposeSide& compared() const { return scale_.against == Against::reference ? truth_ : other_; }
 
-  Color shaded_at(std::size_t i, float visibility) const {
-    return shaded_srgb(steps_, meshes_[gbuffer_.mesh[i]].albedo, ambient_ + exposure_ * received_[i] * visibility);
-  }
+  const glm::vec3& albedo_at(std::size_t i) const { return meshes_[gbuffer_.mesh[i]].albedo; }
+  double light_at(std::size_t i, float visibility) const { return ambient_ + exposure_ * received_[i] * visibility; }
+  Color shaded_at(std::size_t i, float visibility) const { return shaded_srgb(steps_, albedo_at(i), light_at(i, visibility)); }
   std::uint8_t dimmed_at(std::size_t i) const {
     if (gbuffer_.is_background(i)) return dimmed(background_srgb, false);
     return dimmed(shaded_at(i, 1), classes_.empty() || classes_[i] == PixelClass::T);
@@ -150,6 +164,7 @@ class SidePainter {
   const Mesh* meshes_ = side_.frame->scene().meshes.data();
   double ambient_ = side_.frame->scene().ambient, exposure_ = side_.frame->exposure;
   Content shown_ = Content::dimmed;
+  bool is_colored_ = has_channels(side_);
   std::span<const PixelClass> classes_;  // empty until they are computed
   Evidence evidence_;
   bool is_soft_ = false;  ///< the evidence's light has an area

@@ -1,4 +1,5 @@
 #pragma once
+#include <algorithm>
 #include <string_view>
 
 #include "app/viewer/picture_parts.h"
@@ -52,6 +53,9 @@ struct DifferenceScale {
   bool is_plain = false;  ///< the very colors of the scale, not as dark as the dimmed scene
   bool operator==(const DifferenceScale&) const = default;
 };
+using ChannelSpans = std::array<std::span<const float>, std::tuple_size_v<ChannelMasks>>;
+inline ChannelSpans spans_of(const ChannelMasks& masks) { return {masks[0], masks[1], masks[2]}; }
+
 /// What one side brings. Everything may be missing (null); what is there may be of an older frame than the other side's.
 struct ComposeSide {
   std::shared_ptr<const Frame> frame;   ///< of `mask`; null where the side has no answer yet
@@ -59,6 +63,7 @@ struct ComposeSide {
   int mask_width = 0, mask_height = 0;  ///< fewer than the frame's while the reference is refined
   const Verdict* verdict = nullptr;     ///< of this very answer; one of another frame counts as missing
   const LayerPicture* layer = nullptr;  ///< shown over the paint, even when it is of an older frame
+  ChannelSpans channels = {};           ///< in color, each of the mask's size; shown instead by shaded and mask
 };
 
 struct Composition {
@@ -76,11 +81,11 @@ struct Composition {
 };
 
 /// Fills `rgba` (width * height, bytes R, G, B, 255 in memory order) on all threads. With layout left, paint shaded and a full
-/// frame it is the picture that `shade` makes, and with paint mask that of `draw_mask`, to the byte. A side without a frame is
-/// the background; a paint that needs what is not there yet (mask, classes, causes, the other side's answer for the same frame)
-/// shows the dimmed scene alone. Contours lie over the paint, in pixels of the frame. A layer hides the paint by its
-/// opacity, but not where it shows its own background at the frame's. In layout split a light line with dark edges, four
-/// pixels in all, lies over the divider.
+/// frame it is the picture that `shade` makes, and with paint mask that of `draw_mask`, to the byte. Both are in color where
+/// the side has channels; other paints are not. A side without a frame is the background; a paint that needs what is not there
+/// yet (mask, classes, causes, the other side's answer for the same frame) shows the dimmed scene alone. Contours lie over the
+/// paint, in pixels of the frame. A layer hides the paint by its opacity, but not where it shows its own background at the
+/// frame's. In layout split a light line with dark edges, four pixels in all, lies over the divider.
 void compose(const Composition& composition, std::span<std::uint32_t> rgba);
 
 /// What the colors of a picture mean: for the legend in the window.
@@ -157,10 +162,25 @@ inline bool has_full_mask(const ComposeSide& side) {
   return has_mask(side) && side.mask_width == side.frame->gbuffer.width && side.mask_height == side.frame->gbuffer.height;
 }
 
-/// Its visibility at pixel (x, y) of a frame of that size. It has a mask.
-inline float visibility_at(const ComposeSide& side, const GBuffer& gbuffer, int x, int y) {
+/// Whether its mask is in color.
+inline bool has_channels(const ComposeSide& side) {
+  const auto is_there = [&](std::span<const float> mask) { return mask.size() == side.mask.size(); };
+  return has_mask(side) && std::ranges::any_of(side.channels, is_there) &&
+         std::ranges::all_of(side.channels, [&](std::span<const float> mask) { return mask.empty() || is_there(mask); });
+}
+
+/// Index in its mask of pixel (x, y) of a frame of that size. It has a mask.
+inline std::size_t mask_index(const ComposeSide& side, const GBuffer& gbuffer, int x, int y) {
   const int row = nearest_cell(y, gbuffer.height, side.mask_height);
-  return side.mask[static_cast<std::size_t>(row) * side.mask_width + nearest_cell(x, gbuffer.width, side.mask_width)];
+  return static_cast<std::size_t>(row) * side.mask_width + nearest_cell(x, gbuffer.width, side.mask_width);
+}
+/// Its visibility at that place in a channel, which is dark where no light is of it.
+inline float channel_at(const ComposeSide& side, std::size_t channel, std::size_t index) {
+  return side.channels[channel].empty() ? 0 : side.channels[channel][index];
+}
+/// Its visibility at pixel (x, y) of the frame: in color the mean of the channels.
+inline float visibility_at(const ComposeSide& side, const GBuffer& gbuffer, int x, int y) {
+  return side.mask[mask_index(side, gbuffer, x, y)];
 }
 
 /// The side's verdict when it is whole and of the side's frame and mask; else null.

@@ -6,6 +6,7 @@
 
 #include "app/viewer/several_lights.h"
 #include "measure/notice.h"
+#include "measure/score/score.h"
 
 namespace gnomon::viewer {
 
@@ -25,8 +26,7 @@ double mean_error(const Verdict& verdict, std::vector<float> masks) {
   }
   const Evidence evidence =
       together ? together->evidence() : evidence_of(g.width, g.height, answer.mask, *verdict.reference, verdict.estimates);
-  const ErrorCounts errors = Scoring(evidence).error_counts();
-  return errors.error_sum / static_cast<double>(std::max<std::size_t>(errors.tested, 1));
+  return measure_metric(Scoring(evidence), "error").value_or(0);
 }
 
 }  // namespace

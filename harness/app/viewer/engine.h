@@ -30,7 +30,7 @@ struct Selection {
   Truth truth = Truth::shape;
   Light light;  ///< one of the scene's, perhaps moved
   /// Several lights that are shown together, as the scene has them and in its order; `light` replaces the one of its
-  /// name, which is one of them. Empty: it is alone.
+  /// name, which is one of them, and its other channels are where it is. Empty: it is alone.
   std::vector<Light> together = {};
   View view;  ///< one of the scene's, perhaps moved
   int width = 960, height = 540;
@@ -44,12 +44,17 @@ struct Selection {
   std::uint64_t curve = 0;
 };
 
-/// The lights that are shown, one at least; the one that can be moved where it was moved to.
+/// The lights that a list offers: each, and after one of several channels each of these alone.
+std::vector<Light> listed_lights(const Scene& scene);
+/// The light of that name: one, or its channels. A scene that lacks it gives the light that it is a channel of, else its first.
+std::vector<Light> lights_named(const Scene& scene, const std::string& name);
+/// The lights that are shown, one at least; the one that can be moved where it was moved to, with its other channels.
 std::vector<Light> lights_of(const Selection& selection);
 /// Whether a frame is under the selected lights, and the same of them can be moved.
 bool is_lit_by(const Frame& frame, const Selection& selection);
-/// What `--light` calls those that are shown together: "all+", "sun+lamp"; empty where one is alone.
-std::string together_word(const Selection& selection, const Scene& scene);
+/// What `--light` calls those that are shown together, of so many that there are: "all+", "sun+lamp", of the three channels of
+/// sun "sun"; empty where one is alone.
+std::string together_word(const Selection& selection, std::size_t all_count);
 
 /// Whether engine and workers would do the same for both.
 bool are_same(const Light& a, const Light& b);

@@ -30,8 +30,10 @@ bool may_shrink(const Selection& selection) { return selection.is_moving && !sel
 
 /// What the picture receives of all lights without shadows, in their order.
 std::vector<double> received_light_of(const Frame& frame) {
-  std::vector<double> received = received_light(frame.gbuffer, frame.all_lights()[0]);
-  for (const Light& light : frame.all_lights().subspan(1))
+  const auto all = frame.all_lights();
+  const std::vector<Light> lights = whole_lights({all.begin(), all.end()});
+  std::vector<double> received = received_light(frame.gbuffer, lights[0]);
+  for (const Light& light : std::span(lights).subspan(1))
     std::ranges::transform(received, received_light(frame.gbuffer, light), received.begin(), std::plus<>());
   return received;
 }

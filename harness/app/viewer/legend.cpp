@@ -147,7 +147,12 @@ ComposeSide reference_side(const Composition& composition, int side) {
   const ReferenceState* const truth = truth_of(composition, side);
   if (!truth) return {};
   const std::span<const float> mask = share_of(*truth, estimates_of(own));
-  return {.frame = own.frame, .mask = mask, .mask_width = truth->width, .mask_height = truth->height};
+  const bool has_channels = mask.data() == truth->mask.data();
+  return {.frame = own.frame,
+          .mask = mask,
+          .mask_width = truth->width,
+          .mask_height = truth->height,
+          .channels = has_channels ? spans_of(truth->channels) : ChannelSpans()};
 }
 
 std::span<const float> reference_error(const Composition& composition, int side) {

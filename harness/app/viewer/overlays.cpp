@@ -84,7 +84,9 @@ void draw_profile_line(const PictureDrawing& drawing, const ProfileLine& line) {
 constexpr ImU32 faint_light = IM_COL32(255, 214, 102, 110);
 
 /// The light's handle with its name, a line down to the lowest height of the scene, and a cross there.
-void draw_light(const PictureDrawing& drawing, const Scene& scene, const Light& light, const std::optional<Handle>& handle) {
+void draw_light(const PictureDrawing& drawing, const Scene& scene, const Selection& selection,
+                const std::optional<Handle>& handle) {
+  const Light& light = selection.light;
   const glm::dvec3 place = light_place(scene, light);
   const double ground = scene.bounds().min.y;
   const double arm = 0.5 * key_step(scene);
@@ -95,19 +97,20 @@ void draw_light(const PictureDrawing& drawing, const Scene& scene, const Light& 
   if (!handle) return;
   drawing.disc(handle->shown, handle_radius, light_color);
   // Towards the middle, where there is room.
-  const double width = ImGui::CalcTextSize(light.name.c_str()).x * drawing.unit,
+  const std::string name = selection.together.empty() ? light.name : std::string(whole_name(light.name));
+  const double width = ImGui::CalcTextSize(name.c_str()).x * drawing.unit,
                apart = (handle_radius + 5) * drawing.scale * drawing.unit;
   const bool is_right = handle->shown.x > drawing.place.width / 2.0;
   // Above the handles of its size.
   const double lines = has_area(light) ? 2 : 0.5;
   drawing.words(handle->shown + glm::dvec2(is_right ? -apart - width : apart, -lines * ImGui::GetFontSize() * drawing.unit),
-                light.name, light_color);
+                name, light_color);
 }
 
 /// Lights that are shown together with the one that can be moved: small, without handles.
 void draw_other_lights(const PictureDrawing& drawing, const Scene& scene, const Selection& selection) {
-  for (const Light& light : selection.together.empty() ? std::vector<Light>() : lights_of(selection)) {
-    if (light.name == selection.light.name) continue;
+  for (const Light& light : whole_lights(lights_of(selection))) {
+    if (light.name == whole_name(selection.light.name)) continue;
     for (const auto& [from, to] : light_outline(light, drawing.camera.eye)) drawing.segment(from, to, faint_light, 1);
     if (const auto handle =
             light_handle(drawing.camera, light_place(scene, light), handle_margin * drawing.scale * drawing.unit))
@@ -209,7 +212,7 @@ void draw_silhouettes(const PictureDrawing& drawing, std::span<const Line> lines
 /// Where a shadow ray from the pixel meets the nearest caster; nothing where none is in its way.
 std::optional<glm::dvec3> find_caster_point(const Frame& frame, std::size_t pixel) {
   const GBuffer& g = frame.gbuffer;
-  const LightRays rays(frame.scene(), frame.loaded->store->casters(g.truth), g, frame.light);
+  const LightRays rays(frame.scene(frame.light), frame.casters(frame.light), g, frame.light);
   const glm::dvec3 point = g.position(pixel);
   const double distance = rays.nearest(pixel).distance;
   return std::isfinite(distance) ? std::optional(point + distance * rays.toward_light(point)) : std::nullopt;
@@ -274,7 +277,7 @@ void Overlays::draw(const PixelRect& place, const Session& session, const PanelD
   draw_divider(drawing, composition);
   draw_other_lights(drawing, *scene, session.selection());
   draw_light_size(drawing, session.selection().light, shown_sizes(session, composition));
-  draw_light(drawing, *scene, session.selection().light, shown_handle(session, composition, drawing.scale * unit));
+  draw_light(drawing, *scene, session.selection(), shown_handle(session, composition, drawing.scale * unit));
   draw_notices(drawing, session, shown);
   list.PopClipRect();
 }

@@ -100,8 +100,9 @@ constexpr const char* all_lights = "all+";
 /// What the list of lights shows of several together, and which of them can be moved.
 std::string together_words(const Selection& selection, const Scene& scene) {
   if (selection.together.empty()) return selection.light.name;
-  const std::string word = together_word(selection, scene);
-  return fmt::format("{} ({})", word == all_lights ? "all lights" : word, selection.light.name);
+  const std::string word = together_word(selection, scene.lights.size());
+  const std::string_view moved = whole_name(selection.light.name);
+  return word == moved ? word : fmt::format("{} ({})", word == all_lights ? "all lights" : word, moved);
 }
 
 /// A list of the names of lights or views, and a button beside it that takes a move back: "reset". The name that was chosen, or
@@ -142,13 +143,15 @@ void draw_light_and_view(Session& session, Widgets& widgets) {
   const Bounds bounds = scene->bounds();
   const float speed = glm::length(bounds.max - bounds.min) / 1000;
   const Selection& selection = session.selection();
+  const std::string& moved = selection.light.name;
+  const bool has_all = whole_lights(scene->lights).size() > 1;
   const NameList lights{.what = "light",
                         .shown = together_words(selection, *scene),
-                        .chosen = selection.light.name,
+                        .chosen = selection.together.empty() ? moved : std::string(whole_name(moved)),
                         .is_moved = session.is_light_moved(),
-                        .has_all = scene->lights.size() > 1,
-                        .is_all = selection.together.size() == scene->lights.size()};
-  if (const auto name = draw_names(lights, scene->lights, widgets)) {
+                        .has_all = has_all,
+                        .is_all = has_all && selection.together.size() == scene->lights.size()};
+  if (const auto name = draw_names(lights, listed_lights(*scene), widgets)) {
     if (name->empty())
       session.reset_light();
     else if (*name == all_lights)

@@ -8,6 +8,7 @@
 
 #include "measure/cause/causes.h"
 #include "measure/frame/frame.h"
+#include "measure/scene/channels.h"
 #include "measure/score/metrics.h"
 #include "measure/score/together.h"
 
@@ -22,6 +23,9 @@ struct LoadedScene {
   std::shared_ptr<FrameStore> store = nullptr;  ///< of `scene`, for its rays and its file; the engine's
 };
 
+/// In color: a mask for each channel, empty where no light is of that channel. All are empty where the picture is gray.
+using ChannelMasks = std::array<std::vector<float>, std::size(all_channels)>;
+
 /// What the eye sees of a scene under a light, or several together: the input of techniques.
 struct Frame {
   std::uint64_t number = 0;  ///< counts up from 1
@@ -31,25 +35,30 @@ struct Frame {
   GBuffer gbuffer;                                    ///< with its view; smaller than the picture while something moves
   std::shared_ptr<const std::filesystem::path> file;  ///< of the G-buffer, for workers; goes with the last frame that has it
   int picture_width = 0, picture_height = 0;
-  std::vector<double> received;  ///< as received_light gives it, of all lights; one a pixel
-  double exposure = 1;           ///< of the shaded picture; see exposure_of
+  /// As received_light gives it, of all lights; one a pixel. A light of several channels counts once.
+  std::vector<double> received;
+  double exposure = 1;  ///< of the shaded picture; see exposure_of
 
   const Scene& scene() const { return loaded->scene; }
+  /// As one of its lights finds it, and what rays meet there; made with the scene, so that any thread may call.
+  const Scene& scene(const Light& under) const { return loaded->store->scene(under); }
+  const RayScene& casters(const Light& under) const { return loaded->store->casters(gbuffer.truth, under); }
   bool is_together() const { return !lights.empty(); }
   std::span<const Light> all_lights() const { return is_together() ? lights : std::span(&light, 1); }
   /// Of the light that can be moved, in all_lights.
   std::size_t chosen() const;
   /// Whether masks have values between lit and umbra: under a light with area, and under several lights.
   bool has_shares() const { return kind() != AnswerKind::binary; }
-  AnswerKind kind() const { return is_together() ? AnswerKind::received : answer_kind(scene(), light); }
+  AnswerKind kind() const { return whole_lights(lights).size() > 1 ? AnswerKind::received : answer_kind(scene(), light); }
   bool is_full() const { return gbuffer.width == picture_width && gbuffer.height == picture_height; }
 };
 
 /// The reference at a frame, as far as it is computed. Until it is finished, its mask may have fewer pixels than the frame.
 struct ReferenceState {
   std::shared_ptr<const Frame> frame;
-  int width = 0, height = 0;  ///< of `mask`
-  std::vector<float> mask;    ///< width * height; of several lights the share of the light that they would give
+  int width = 0, height = 0;   ///< of `mask`
+  std::vector<float> mask;     ///< width * height; of several lights the share of the light that they would give
+  ChannelMasks channels = {};  ///< in color, as `mask`
   /// Under a light with area, with the classes: `mask` is the share of its area that is seen, `irradiance` that of the
   /// irradiance, each with its standard error. Else empty.
   std::vector<float> error, irradiance, irradiance_error, half, irradiance_half;
@@ -69,6 +78,7 @@ struct SideAnswer {
   std::shared_ptr<const Frame> frame;
   std::vector<float> mask;                        ///< of several lights the share of the light that they would give
   std::vector<std::vector<float>> masks;          ///< of several lights, each; else empty
+  ChannelMasks channels = {};                     ///< in color, as `mask`
   std::array<std::optional<double>, 4> stage_ms;  ///< the last time that each stage was done, by Stage
   Support support = Support::full();
 
@@ -82,13 +92,13 @@ struct Verdict {
   std::shared_ptr<const ReferenceState> reference;  ///< with classes
   LightShareKind estimates = LightShareKind::area;  ///< what the answer is compared with under a light with area
   std::shared_ptr<const Together> together;         ///< of several lights; with their causes once these are found
-  ErrorCounts errors;
-  std::optional<double> error_floor;     ///< under a light with area: what the reference's own noise makes
-  std::optional<double> constant_error;  ///< of the best constant mask
-  std::optional<double> received_error;  ///< of several lights: rms error of the light received, as a share of that
-  bool has_causes = false;               ///< they are found
-  std::vector<Cause> causes;             ///< empty until then
-  std::vector<CauseInfo> own_causes;     ///< of the technique
+  ErrorCounts errors;                               ///< `error_sum` is the mean error of all channels times `tested`
+  std::optional<double> error_floor;                ///< under a light with area: what the reference's own noise makes
+  std::optional<double> constant_error;             ///< of the best constant mask
+  std::optional<double> received_error;             ///< of several lights: rms error of the light received, as a share of that
+  bool has_causes = false;                          ///< they are found
+  std::vector<Cause> causes;                        ///< empty until then
+  std::vector<CauseInfo> own_causes;                ///< of the technique
   std::map<std::string, std::uint64_t> cause_counts;
 };
 

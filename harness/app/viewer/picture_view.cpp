@@ -14,13 +14,18 @@ ComposeSide compose_side(const SideState& side, const EngineState& state) {
   const LayerPicture* const layer = side.layer.get();
   if (side.is_reference && state.reference) {
     const ReferenceState& r = *state.reference;
-    return {.frame = r.frame, .mask = r.mask, .mask_width = r.width, .mask_height = r.height, .layer = layer};
+    return {.frame = r.frame,
+            .mask = r.mask,
+            .mask_width = r.width,
+            .mask_height = r.height,
+            .layer = layer,
+            .channels = spans_of(r.channels)};
   }
   if (side.is_reference || !side.answer) return {.frame = state.frame, .mask = {}, .layer = layer};  // the scene, dimmed
   const Verdict* const verdict = side.verdict && side.verdict->answer == side.answer ? side.verdict.get() : nullptr;
   const std::shared_ptr<const Frame>& frame = side.answer->frame;
   const int width = frame->gbuffer.width, height = frame->gbuffer.height;
-  return {frame, side.answer->mask, width, height, verdict, layer};
+  return {frame, side.answer->mask, width, height, verdict, layer, spans_of(side.answer->channels)};
 }
 
 /// What the picture is made from, as far as the state has it.

@@ -38,6 +38,11 @@ std::string distance(double d, double texel) {
 
 std::string mask_words(const ComposeSide& side, const GBuffer& gbuffer, std::size_t i) {
   const int x = static_cast<int>(i % gbuffer.width), y = static_cast<int>(i / gbuffer.width);
+  if (has_channels(side)) {
+    const std::size_t k = mask_index(side, gbuffer, x, y);
+    return fmt::format("red {:.4g}, green {:.4g}, blue {:.4g}", channel_at(side, 0, k), channel_at(side, 1, k),
+                       channel_at(side, 2, k));
+  }
   const float v = visibility_at(side, gbuffer, x, y);
   return fmt::format("{:.4g}{}", v, v == 1 ? " lit" : v == 0 ? " umbra" : "");
 }

@@ -54,7 +54,7 @@ std::vector<float> trace(const RayScene& casters, const Scene& scene, const GBuf
 /// Why there is no reference under a frame's lights; empty when there is one.
 std::string obstacle(const Frame& frame) {
   for (const Light& light : frame.all_lights())
-    if (const Support support = reference_support(frame.scene(), light, frame.gbuffer.view); !support)
+    if (const Support support = reference_support(frame.scene(light), light, frame.gbuffer.view); !support)
       return frame.is_together() ? fmt::format("{}: {}", light.name, support.why()) : support.why();
   return "";
 }
@@ -62,13 +62,14 @@ std::string obstacle(const Frame& frame) {
 /// Classes under one light, and under one with area the shares.
 void find_classes(const Frame& frame, const Light& light, ReferenceState& reference) {
   FrameStore& store = *frame.loaded->store;
-  const RayScene& casters = store.casters(frame.gbuffer.truth);
+  const Scene& scene = frame.scene(light);
+  const RayScene& casters = frame.casters(light);
   const std::vector<std::uint8_t> silhouettes = find_silhouettes(store.everything(frame.gbuffer.truth), frame.gbuffer);
   if (!has_area(light)) {
-    reference.classes = classify(frame.scene(), casters, frame.gbuffer, light, reference.mask, silhouettes);
+    reference.classes = classify(scene, casters, frame.gbuffer, light, reference.mask, silhouettes);
     return;
   }
-  SoftReference soft = trace_soft(frame.scene(), casters, frame.gbuffer, light, silhouettes, {});
+  SoftReference soft = trace_soft(scene, casters, frame.gbuffer, light, silhouettes, {});
   reference.mask = std::move(soft.area);
   reference.error = std::move(soft.area_error);
   reference.irradiance = std::move(soft.irradiance);
@@ -144,7 +145,7 @@ void ReferenceLane::remember(const Frame& frame, const Light& light, std::shared
 
 /// The mask under one light, as it was where neither light nor pixels have changed since the frame before.
 std::vector<float> ReferenceLane::trace_light(const Frame& frame, const GBuffer& pixels, int step, const Light& light) {
-  const auto traced = [&] { return trace(frame.loaded->store->casters(pixels.truth), frame.scene(), pixels, light, quick); };
+  const auto traced = [&] { return trace(frame.casters(light), frame.scene(light), pixels, light, quick); };
   if (!frame.is_together()) return traced();
   if (const auto known = step == 1 ? known_reference(frame, light) : nullptr) return known->mask;
   if (traced_pixels_ != frame.gbuffer.storage) traced_masks_.clear();
@@ -192,7 +193,9 @@ void ReferenceLane::trace_reference(const std::shared_ptr<const Frame>& frame, b
     if (!is_done) return false;
     const double ms = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
     rays_per_ms_ = static_cast<double>(pixels.size()) / std::max(ms, 1e-3);
-    reference.mask = frame->is_together() ? shown_together(*frame, pixels, masks) : std::move(masks[0]);
+    ShownMasks shown = frame->is_together() ? shown_together(*frame, pixels, masks) : ShownMasks{std::move(masks[0]), {}};
+    reference.mask = std::move(shown.mask);
+    reference.channels = std::move(shown.channels);
     reference.width = pixels.width;
     reference.height = pixels.height;
     return true;
@@ -215,10 +218,10 @@ void ReferenceLane::trace_reference(const std::shared_ptr<const Frame>& frame, b
 /// then, if it is null.
 void ReferenceLane::find_nearest(const Frame& frame, const Light& light, std::shared_ptr<Frame>& mesh_frame,
                                  ReferenceState& reference) {
-  const Scene& scene = frame.scene();
+  const Scene& scene = frame.scene(light);
   const GBuffer& g = frame.gbuffer;
   FrameStore& store = *frame.loaded->store;
-  reference.nearest_caster = find_nearest_casters(scene, store.casters(g.truth), g, light, reference.mask);
+  reference.nearest_caster = find_nearest_casters(scene, frame.casters(light), g, light, reference.mask);
   if (g.truth == Truth::mesh || !scene.has_curved_shapes()) return;
   if (!mesh_frame) {
     mesh_frame = std::make_shared<Frame>();
@@ -227,7 +230,7 @@ void ReferenceLane::find_nearest(const Frame& frame, const Light& light, std::sh
     mesh_frame->file = board_.write_shared(mesh_frame->gbuffer);
   }
   auto on_mesh = std::make_shared<ReferenceState>();
-  on_mesh->mask = trace(store.casters(Truth::mesh), scene, mesh_frame->gbuffer, light, {});
+  on_mesh->mask = trace(store.casters(Truth::mesh, light), scene, mesh_frame->gbuffer, light, {});
   on_mesh->frame = mesh_frame;
   reference.on_mesh = on_mesh;
 }

@@ -171,22 +171,27 @@ Picture picture_of(std::span<const std::uint32_t> rgba, int width, int height) {
 std::string state_toml(const Selection& shown, const fs::path& file) {
   // A scene that could not be loaded is selected, but not shown.
   const std::string base = quoted(base_reference(shown.loaded ? shown.loaded->reference : shown.scene, file));
+  // A file has no channels: its glass makes them again.
+  const std::vector<Light> lights = whole_lights(lights_of(shown));
   std::string names, tables;
-  for (const Light& light : lights_of(shown)) {
+  for (const Light& light : lights) {
     names += fmt::format("{}'{}'", names.empty() ? "" : ", ", light.name);
     tables += light_toml(light) + "\n";
   }
   return fmt::format("# Saved state: {} under {} {}, seen from view '{}'.\nscene = {}\n\n{}{}", base,
-                     shown.together.empty() ? "light" : "lights", names, shown.view.name, base, tables, view_toml(shown.view));
+                     lights.size() == 1 ? "light" : "lights", names, shown.view.name, base, tables, view_toml(shown.view));
 }
 
 std::string render_command(const Selection& shown, std::span<const std::string> plugins, const fs::path& scene_file,
                            const fs::path& out) {
+  // The saved scene has the lights that are shown; of one that has channels all of these.
+  const std::size_t whole = whole_lights(shown.together).size(), channels = std::size(all_channels) * whole;
+  const std::size_t saved_count = channel_of(shown.light.name) ? channels : whole;
   std::vector<std::string> words = {"gnomon"};
   for (const std::string& plugin : plugins) words.insert(words.end(), {load_option(plugin), path_word(plugin)});
   words.insert(words.end(), {"render", "--scene", path_word(scene_file.string()), "--technique", written(shown.sides[0]),
-                             "--light", shown.together.empty() ? shown.light.name : "all+", "--view", shown.view.name, "--size",
-                             fmt::format("{}x{}", shown.width, shown.height)});
+                             "--light", shown.together.empty() ? shown.light.name : together_word(shown, saved_count), "--view",
+                             shown.view.name, "--size", fmt::format("{}x{}", shown.width, shown.height)});
   if (shown.truth != Truth::shape) words.insert(words.end(), {"--truth", std::string(name(shown.truth))});
   words.insert(words.end(), {"--out", path_word(out.string())});
   std::string line;

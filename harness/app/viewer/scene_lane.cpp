@@ -19,7 +19,7 @@ void try_in_a_worker(const Scene& scene, const std::filesystem::path& folder, co
     const FrameKey key{view, 64, 36, truth};
     frames.gbuffer(key);
     for (const Light& light : scene.lights)
-      if (reference_support(scene, light, view)) frames.reference(key, light);
+      if (reference_support(frames.scene(light), light, view)) frames.reference(key, light);
   }
 }
 
@@ -58,7 +58,7 @@ std::shared_ptr<const LoadedScene> SceneLane::load(const std::string& reference)
   // Made here, because they are made on first use, and not for two threads at once.
   for (const Truth truth : {Truth::shape, Truth::mesh}) {
     store->everything(truth);
-    store->casters(truth);
+    for (const Light& light : loaded->scene.lights) store->casters(truth, light);
   }
   // Its file for the workers goes with it.
   const auto end = [file = owned_file(store->scene_file())](FrameStore* gone) { delete gone; };

@@ -55,19 +55,30 @@ void Session::generator_changed() {
 
 void Session::adopt(const EngineState& state) {
   if (!state.loaded || state.loaded == selection_.loaded || state.loaded->reference != selection_.scene) return;
-  const std::string word = together_word(selection_, *scene());
+  const std::string word = together_word(selection_, scene()->lights.size());
+  const Light before = selection_.light;
+  const bool keeps_light = keeps_moved_ && light_moved_;
   selection_.loaded = loaded_ = state.loaded;
-  if (!(keeps_moved_ && light_moved_)) reset_light();
-  if (!selection_.together.empty()) renew_together(word);
+  selection_.together.clear();
+  choose_light(before.name);
+  if (!word.empty()) renew_together(word);
+  if (keeps_light && whole_name(selection_.light.name) == whole_name(before.name)) {
+    const std::string name = selection_.light.name;
+    selection_.light = before;
+    selection_.light.name = name;
+    light_moved_ = true;
+  }
   if (!(keeps_moved_ && view_moved_)) choose_view(named_or_first(scene()->views, selection_.view.name).name);
   keeps_moved_ = true;
 }
 
 void Session::choose_light(const std::string& name) {
-  const bool was_together = !std::exchange(selection_.together, {}).empty();
-  if (was_together && name == selection_.light.name) return;
-  selection_.light = named_or_first(scene()->lights, name);
-  light_moved_ = false;
+  const std::vector<Light> lights = lights_named(*scene(), name);
+  const std::string chosen = named_or_first(lights, selection_.light.name).name;
+  const bool was_among = selection_.together.size() > lights.size() && whole_name(chosen) == whole_name(selection_.light.name);
+  selection_.together = lights.size() > 1 ? lights : std::vector<Light>();
+  selection_.light.name = chosen;
+  if (!was_among) reset_light();
 }
 
 void Session::choose_together(const std::string& word) {
@@ -80,12 +91,12 @@ void Session::choose_together(const std::string& word) {
   for (const std::string& name : names) selection_.together.push_back(named_or_first(scene()->lights, name));
 }
 
-/// In another scene: the same lights, or the chosen one alone where these are not there.
+/// In another scene: the same lights, or the chosen one where these are not there.
 void Session::renew_together(const std::string& word) {
   try {
     choose_together(word);
   } catch (const Error&) {
-    selection_.together.clear();
+    choose_light(std::string(whole_name(selection_.light.name)));
   }
 }
 
@@ -201,9 +212,10 @@ void Session::flip_profile() {
 
 void Session::flip_together() {
   if (!scene()) return;
-  if (!selection_.together.empty()) return choose_light(selection_.light.name);
+  const std::size_t before = selection_.together.size();
+  if (whole_lights(selection_.together).size() > 1) return choose_light(std::string(whole_name(selection_.light.name)));
   choose_together("all+");
-  if (selection_.together.empty()) say("the scene has one light", true);
+  if (selection_.together.size() == before) say("the scene has one light", true);
 }
 
 void Session::act(const KeyEffect& effect, double count) {

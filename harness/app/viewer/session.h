@@ -47,7 +47,7 @@ class Session {
   const Scene* scene() const { return loaded_ ? &loaded_->scene : nullptr; }
 
   // Light and view: one of the scene's by name, or moved. What `check` refuses throws Error and changes nothing.
-  /// Alone. Of several together the one that can be moved stays where it is.
+  /// Alone, or of one of several channels all of these. Of several together the one that can be moved stays where it is.
   void choose_light(const std::string& name);
   /// As `--light` names several, "sun+lamp" or "all+", as one picture; the chosen one, else the first, can be moved. One alone
   /// is that light.

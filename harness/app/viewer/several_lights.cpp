@@ -6,6 +6,8 @@
 #include <algorithm>
 
 #include "app/viewer/engine.h"
+#include "measure/scene/load.h"
+#include "measure/scene/names.h"
 
 namespace gnomon::viewer {
 
@@ -14,10 +16,35 @@ std::size_t Frame::chosen() const {
   return static_cast<std::size_t>(std::ranges::find(all, light.name, &Light::name) - all.begin());
 }
 
+std::vector<Light> listed_lights(const Scene& scene) {
+  std::vector<Light> listed;
+  for (const Light& whole : whole_lights(scene.lights)) {
+    listed.push_back(whole);
+    for (const Light& light : scene.lights)
+      if (light.name != whole.name && whole_name(light.name) == whole.name) listed.push_back(light);
+  }
+  return listed;
+}
+
+std::vector<Light> lights_named(const Scene& scene, const std::string& name) {
+  const std::vector<Light> listed = listed_lights(scene);
+  const Light* found = find_named(listed, name);
+  if (!found) found = &named_or_first(listed, std::string(whole_name(name)));
+  std::vector<Light> lights;
+  for (const Light& light : scene.lights)
+    if (light.name == found->name || whole_name(light.name) == found->name) lights.push_back(light);
+  return lights;
+}
+
 std::vector<Light> lights_of(const Selection& selection) {
   if (selection.together.empty()) return {selection.light};
   std::vector<Light> lights = selection.together;
-  *std::ranges::find(lights, selection.light.name, &Light::name) = selection.light;
+  for (Light& light : lights) {
+    if (whole_name(light.name) != whole_name(selection.light.name)) continue;
+    const std::string name = light.name;
+    light = selection.light;
+    light.name = name;
+  }
   return lights;
 }
 
@@ -27,11 +54,17 @@ bool is_lit_by(const Frame& frame, const Selection& selection) {
          are_same(all, lights_of(selection));
 }
 
-std::string together_word(const Selection& selection, const Scene& scene) {
+std::string together_word(const Selection& selection, std::size_t all_count) {
   if (selection.together.empty()) return "";
   std::vector<std::string> names;
-  for (const Light& light : selection.together) names.push_back(light.name);
-  return names.size() == scene.lights.size() ? "all+" : joined(names, "+");
+  for (const Light& whole : whole_lights(selection.together)) {
+    std::vector<std::string> own;
+    for (const Light& light : selection.together)
+      if (whole_name(light.name) == whole.name) own.push_back(light.name);
+    if (own.size() == std::size(all_channels)) own = {whole.name};
+    names.insert(names.end(), own.begin(), own.end());
+  }
+  return names.size() > 1 && selection.together.size() == all_count ? "all+" : joined(names, "+");
 }
 
 bool are_same(std::span<const Light> a, std::span<const Light> b) {
@@ -48,7 +81,18 @@ std::vector<std::vector<float>> split_masks(std::span<const float> all, std::siz
   return masks;
 }
 
-std::vector<float> shown_together(const Frame& frame, const GBuffer& gbuffer, std::span<const std::vector<float>> masks) {
+namespace {
+
+/// The masks of a picture.
+ShownMasks shown_masks(Together& whole) {
+  ShownMasks shown{std::move(whole.shown), {}};
+  for (Together& one : whole.channels) shown.channels[static_cast<std::size_t>(*one.channel)] = std::move(one.shown);
+  return shown;
+}
+
+}  // namespace
+
+ShownMasks shown_together(const Frame& frame, const GBuffer& gbuffer, std::span<const std::vector<float>> masks) {
   const std::vector<PixelClass> any_class(gbuffer.size(), PixelClass::B);
   std::vector<Evidence> lights;
   for (std::size_t k = 0; k < masks.size(); ++k)
@@ -60,7 +104,8 @@ std::vector<float> shown_together(const Frame& frame, const GBuffer& gbuffer, st
                       .causes = {},
                       .gbuffer = &gbuffer,
                       .light = &frame.lights[k]});
-  return std::move(together(lights).shown);
+  Together whole = together(lights);
+  return shown_masks(whole);
 }
 
 namespace {
@@ -95,13 +140,15 @@ void put_together(ReferenceState& reference) {
   Together area = whole(LightShareKind::area);
   reference.width = frame.gbuffer.width;
   reference.height = frame.gbuffer.height;
-  reference.mask = std::move(area.reference);
+  ShownMasks shown = shown_masks(area);
+  reference.mask = std::move(shown.mask);
+  reference.channels = std::move(shown.channels);
   reference.error = std::move(area.reference_error);
   reference.half = std::move(area.reference_half);
   reference.classes = std::move(area.classes);
   if (reference.error.empty()) return;  // no light's answer is a fraction
   Together irradiance = whole(LightShareKind::irradiance);
-  reference.irradiance = std::move(irradiance.reference);
+  reference.irradiance = std::move(irradiance.shown);
   reference.irradiance_error = std::move(irradiance.reference_error);
   reference.irradiance_half = std::move(irradiance.reference_half);
 }

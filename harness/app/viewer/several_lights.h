@@ -8,11 +8,15 @@ namespace gnomon::viewer {
 /// The masks of several lights that follow each other in `all`.
 std::vector<std::vector<float>> split_masks(std::span<const float> all, std::size_t lights);
 
+struct ShownMasks {
+  std::vector<float> mask;
+  ChannelMasks channels;  ///< where the lights are channels
+};
 /// One mask a light of the frame, one pixel each of `gbuffer`, which is the frame's or a thinned one of it: the share of the
 /// light that they would give together, all pixels taken as they are.
-std::vector<float> shown_together(const Frame& frame, const GBuffer& gbuffer, std::span<const std::vector<float>> masks);
+ShownMasks shown_together(const Frame& frame, const GBuffer& gbuffer, std::span<const std::vector<float>> masks);
 
-/// Fills mask, errors and classes of a reference from its `lights`.
+/// Fills masks, errors and classes of a reference from its `lights`.
 void put_together(ReferenceState& reference);
 
 /// What the masks of an answer are judged by under light `k` of several. The reference is one that is put together.

@@ -74,7 +74,9 @@ void SideLane::count_wrong(const std::shared_ptr<const SideAnswer>& answer,
   verdict->errors = scoring.error_counts();
   verdict->error_floor = measure_metric(scoring, "error_floor");
   verdict->constant_error = measure_metric(scoring, "constant_error");
-  if (verdict->together) verdict->received_error = scoring.light_error().rms;
+  if (verdict->together) verdict->received_error = measure_metric(scoring, "received_error_rms");
+  if (!evidence.channels.empty())
+    verdict->errors.error_sum = measure_metric(scoring, "error").value_or(0) * static_cast<double>(verdict->errors.tested);
   change([&](SideState& s) { s.verdict = verdict; });
 }
 
@@ -89,7 +91,8 @@ std::vector<std::vector<std::uint8_t>> SideLane::right_on_mesh(const Frame& fram
   if (set_frame(mesh_frame, "causes")) {
     const std::vector<std::vector<float>> masks = split_masks(resolve_mask(false), lights.size());
     for (std::size_t k = 0; k < lights.size(); ++k) {
-      const AnswerKind kind = answer_kind(frame.scene(), frame.all_lights()[k]);
+      const Light& light = frame.all_lights()[k];
+      const AnswerKind kind = answer_kind(frame.scene(light), light);
       const std::vector<float>& truth = lights[k]->on_mesh->mask;
       for (std::size_t i = 0; i < masks[k].size(); ++i)
         right[k].push_back(kind == AnswerKind::fraction ? std::abs(masks[k][i] - truth[i]) <= 4 * AreaTarget{}.error
@@ -119,14 +122,15 @@ void SideLane::find_causes_of(const std::shared_ptr<const Verdict>& verdict,
   const bool is_done = causes_.run(ticket, [&] {
     for (std::size_t k = 0; k < lights.size(); ++k) {
       Reference reference{lights[k]->mask, lights[k]->classes, lights[k]->nearest_caster, lights[k]};
-      reference.kind = answer_kind(frame.scene(), frame.all_lights()[k]);
+      const Light& light = frame.all_lights()[k];
+      reference.kind = answer_kind(frame.scene(light), light);
       reference.error = lights[k]->error;
       reference.irradiance = lights[k]->irradiance;
       reference.irradiance_error = lights[k]->irradiance_error;
       const auto explain = [&](std::span<const std::uint32_t> pixels) { return Call(*this, "explain")->explain(pixels, k); };
-      causes[k] = find_causes({frame.scene(), frame.loaded->store->casters(frame.gbuffer.truth), frame.gbuffer,
-                               frame.all_lights()[k], reference, verdict->answer->mask_under(k), right[k], explain,
-                               verdict->estimates, verdict->own_causes, about.rasterizes});
+      causes[k] = find_causes({frame.scene(light), frame.casters(light), frame.gbuffer, light, reference,
+                               verdict->answer->mask_under(k), right[k], explain, verdict->estimates, verdict->own_causes,
+                               about.rasterizes});
     }
   });
   if (!is_done) return;

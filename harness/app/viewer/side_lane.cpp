@@ -226,7 +226,9 @@ void SideLane::answer(const std::shared_ptr<const Frame>& frame, std::uint64_t r
   answer->mask = resolve_mask(true);
   if (frame->is_together()) {
     answer->masks = split_masks(answer->mask, frame->lights.size());
-    answer->mask = shown_together(*frame, frame->gbuffer, answer->masks);
+    ShownMasks shown = shown_together(*frame, frame->gbuffer, answer->masks);
+    answer->mask = std::move(shown.mask);
+    answer->channels = std::move(shown.channels);
   }
   answer->stage_ms = stage_ms_;
   change([&](SideState& s) {

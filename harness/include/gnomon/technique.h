@@ -66,9 +66,8 @@ std::string_view name(Floor floor);
 /// What a scene may hold beside opaque triangles that stand still. A technique says which of it it handles; a scene that holds
 /// more is unsupported, so that nothing that was written before the feature is silently wrong on it.
 enum class Feature {
-  alpha_masks,           ///< casters with holes, see Mesh::alpha_mask
-  transmission,          ///< casters that let a part of the light through, see Mesh::transmission
-  colored_transmission,  ///< of them such as let more of one color through than of another
+  alpha_masks,   ///< casters with holes, see Mesh::alpha_mask
+  transmission,  ///< casters that let a part of the light through, see Mesh::transmission; the same of every color
 };
 std::string_view name(Feature feature);
 /// By name; nothing where there is none.

@@ -4,11 +4,12 @@
 
 namespace gnomon {
 
-LightObjects::LightObjects(const TechniqueEntry& entry, const std::string& settings)
-    : entry_(entry), settings_(settings), first_(fresh()), source_(first_.get()) {}
+LightObjects::LightObjects(const TechniqueEntry& entry, const std::string& settings) : entry_(entry), settings_(settings) {
+  objects_.push_back({.technique = fresh()});
+}
 
 LightObjects::LightObjects(const TechniqueEntry& entry, const std::string& settings, const Technique& elsewhere)
-    : entry_(entry), settings_(settings), source_(&elsewhere), shares_(true) {}
+    : entry_(entry), settings_(settings), elsewhere_(&elsewhere) {}
 
 std::unique_ptr<Technique> LightObjects::fresh() const {
   auto technique = entry_.make();
@@ -16,18 +17,27 @@ std::unique_ptr<Technique> LightObjects::fresh() const {
   return technique;
 }
 
-bool LightObjects::hold(std::size_t count) {
-  count = std::max<std::size_t>(count, 1);
-  if (count < this->count()) others_.resize(count - (first_ ? 1 : 0));
+bool LightObjects::hold_by_scene(const std::vector<std::size_t>& scenes) {
+  // Objects share with earlier ones: those before the first difference stay.
+  std::size_t kept = 0;
+  while (kept < std::min(count(), scenes.size()) && objects_[kept].scene == scenes[kept]) ++kept;
+  objects_.resize(kept);
   bool has_whole = false;
-  while (this->count() < count) {
-    auto another = source_->for_another_light();
-    shares_ = another != nullptr;
-    has_whole = has_whole || !shares_;
-    others_.push_back(shares_ ? std::move(another) : fresh());
+  for (std::size_t k = kept; k < scenes.size(); ++k) {
+    const auto first = std::ranges::find(objects_, scenes[k], &Object::scene);
+    const Technique* const source = elsewhere_ ? elsewhere_ : first != objects_.end() ? first->technique.get() : nullptr;
+    Object object{.technique = source ? source->for_another_light() : nullptr, .scene = scenes[k], .is_first = !source};
+    object.shares = object.technique != nullptr;
+    if (!object.shares) object.technique = fresh();
+    has_whole = has_whole || !object.shares;
+    objects_.push_back(std::move(object));
   }
-  if (others_.empty() && first_) shares_ = false;
   return has_whole;
+}
+
+std::optional<bool> LightObjects::shares() const {
+  const auto further = std::ranges::find(objects_, false, &Object::is_first);
+  return further == objects_.end() ? std::nullopt : std::optional(further->shares);
 }
 
 std::optional<Stage> LightObjects::set(const std::string& settings) {
@@ -45,10 +55,10 @@ std::optional<Stage> LightObjects::set(const std::string& settings) {
 }
 
 Counts LightObjects::counts() const {
-  Counts sum = first_ ? first_->counts() : Counts();
-  std::vector<double> times(sum.size(), 1);  // how many objects gave it
-  for (const auto& object : others_)
-    for (Count& count : object->counts()) {
+  Counts sum;
+  std::vector<double> times;  // how many objects gave it
+  for (const Object& object : objects_)
+    for (Count& count : object.technique->counts()) {
       const auto known = std::ranges::find(sum, count.name, &Count::name);
       if (known == sum.end()) {
         sum.push_back(std::move(count));

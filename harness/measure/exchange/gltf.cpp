@@ -9,6 +9,7 @@
 #include "measure/exchange/gltf_transmission.h"
 #include "measure/exchange/mask_png.h"
 #include "measure/scene/blob.h"
+#include "measure/scene/channels.h"
 #include "measure/scene/scene_json.h"
 
 namespace gnomon {
@@ -49,7 +50,7 @@ class GltfWriter {
       json_[list] = Json::array();
     for (const Mesh& mesh : scene.meshes) add(mesh);
     for (const View& view : scene.views) add(view);
-    for (const Light& light : scene.lights) add(light);
+    for (const Light& light : whole_lights(scene.lights)) add(light);
     Json roots = Json::array();
     for (std::size_t n = 0; n < json_["nodes"].size(); ++n) roots.push_back(n);
     json_["scenes"].push_back(json_object({{"name", scene.name}, {"nodes", roots}}));

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "measure/picture/picture.h"
+#include "measure/scene/channels.h"
 #include "measure/scene/scene_json.h"
 
 namespace gnomon {
@@ -81,7 +82,7 @@ Json scene_facts_json(const Scene& scene) {
     vertex += mesh.positions.size();
     triangle += mesh.triangles.size();
   }
-  for (const Light& light : scene.lights) json["lights"].push_back(scene_json(light));
+  for (const Light& light : whole_lights(scene.lights)) json["lights"].push_back(scene_json(light));
   for (const View& view : scene.views) json["views"].push_back(scene_json(view));
   return json;
 }

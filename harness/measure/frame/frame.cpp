@@ -34,7 +34,7 @@ std::size_t reference_pixel(AnswerKind kind) {
 }
 
 /// Raised when references of scenes with transmission hold other things.
-constexpr int glass_version = 2;
+constexpr int glass_version = 3;
 
 /// Raised when trace_soft answers otherwise.
 constexpr int soft_version = 4;
@@ -164,9 +164,18 @@ const RayScene& FrameTracer::rays(Truth truth, RayScene::Which which) {
   return found->second;
 }
 
+FrameTracer& FrameTracer::of(const Light& light) {
+  const Scene& found = scene(light);
+  if (&found == &scene_) return *this;
+  std::unique_ptr<FrameTracer>& tracer = tracers_[&found];
+  if (!tracer) tracer = std::make_unique<FrameTracer>(found);
+  return *tracer;
+}
+
 std::vector<std::byte> FrameTracer::make(const MissingFrame& missing) {
   const FrameKey& key = missing.key;
   if (missing.light) {
+    if (FrameTracer& tracer = of(*missing.light); &tracer != this) return tracer.make(missing);
     const GBuffer gbuffer = map_gbuffer(missing.gbuffer_file, key);
     if (missing.global_samples > 0) return global_reference(missing, gbuffer);
     return has_area(*missing.light) ? soft_reference(missing, gbuffer) : reference(missing, gbuffer);
@@ -235,7 +244,7 @@ GlobalReference FrameStore::global_reference(const FrameKey& key, const Light& l
 }
 
 Reference FrameStore::reference(const FrameKey& key, const Light& light, const AreaTarget& target, int subpixel_bits) {
-  require_reference(scene_, light, key.view);
+  require_reference(scene(light), light, key.view);
   const std::string name = hash(key, &light, target, subpixel_bits) + ".reference";
   const MissingFrame frame{.key = key, .light = light, .target = target, .subpixel_bits = subpixel_bits};
   const auto file = MappedFile::copy(find_or_make(name, frame));

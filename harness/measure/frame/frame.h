@@ -9,6 +9,7 @@
 #include "measure/frame/frame_cache.h"
 #include "measure/frame/soft_reference.h"
 #include "measure/scene/blob.h"
+#include "measure/scene/channels.h"
 
 namespace gnomon {
 
@@ -19,7 +20,8 @@ bool has_radiance(const Light& light);
 struct Reference {
   std::span<const float> mask = {};
   std::span<const PixelClass> classes = {};
-  /// Mesh of the caster nearest to the pixel's point on its way to the light; no_mesh where the pixel is lit or has none.
+  /// Mesh of the caster nearest to the pixel's point on its way to the light; no_mesh where the pixel is lit or has none. In
+  /// scenes with transmission a pixel is lit that full light would not call wrong (is_wrong).
   std::span<const std::uint32_t> nearest_caster = {};
   std::shared_ptr<const void> storage = {};
   /// 1 where the pixel is tested and a rasterizer's rounding of vertices may turn its answer over (see find_snapping), else 0.
@@ -84,6 +86,9 @@ class FrameTracer final : public FrameMaker {
   const RayScene& casters(Truth truth) { return rays(truth, RayScene::Which::casters); }
   /// All meshes under a truth; the same as the casters where all cast.
   const RayScene& everything(Truth truth) { return rays(truth, RayScene::Which::seen); }
+  /// The scene as a light finds it (ChannelScenes), and rays through that.
+  const Scene& scene(const Light& light) { return channels_.of(light); }
+  FrameTracer& of(const Light& light);
 
  private:
   const RayScene& rays(Truth truth, RayScene::Which which);
@@ -94,6 +99,8 @@ class FrameTracer final : public FrameMaker {
   std::vector<std::byte> global_reference(const MissingFrame& missing, const GBuffer& g);
 
   const Scene& scene_;
+  ChannelScenes channels_{scene_};
+  std::map<const Scene*, std::unique_ptr<FrameTracer>> tracers_;  ///< of `channels_`
   std::map<std::pair<Truth, RayScene::Which>, RayScene> rays_;
   std::filesystem::path silhouettes_of_;  ///< the G-buffer's file
   std::vector<std::uint8_t> silhouettes_;
@@ -122,6 +129,8 @@ class FrameStore {
   /// As FrameTracer has them, in this process.
   const RayScene& casters(Truth truth) { return tracer_.casters(truth); }
   const RayScene& everything(Truth truth) { return tracer_.everything(truth); }
+  const Scene& scene(const Light& light) { return tracer_.scene(light); }
+  const RayScene& casters(Truth truth, const Light& light) { return tracer_.of(light).casters(truth); }
 
  private:
   std::string hash(const FrameKey& key, const Light* light, const AreaTarget& target = {},

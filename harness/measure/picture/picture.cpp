@@ -48,6 +48,23 @@ double exposure_of(const Scene& scene, const GBuffer& gbuffer, std::span<const d
   return (scene.ambient < 1 ? 1 - scene.ambient : 1) / *bright;
 }
 
+namespace {
+
+/// Under the exposed light that `light_at` gives for a pixel, white or by channel.
+template <class LightAt>
+Picture shade_under(const Scene& scene, const GBuffer& gbuffer, const LightAt& light_at) {
+  Picture picture{gbuffer.width, gbuffer.height, std::vector<std::uint8_t>(gbuffer.size() * 3)};
+  const SrgbSteps& steps = srgb_steps();
+  for (std::size_t i = 0; i < gbuffer.size(); ++i) {
+    Color color = background_srgb;
+    if (!gbuffer.is_background(i)) color = shaded_srgb(steps, scene.meshes[gbuffer.mesh[i]].albedo, light_at(i));
+    std::ranges::copy(color, &picture.rgb[3 * i]);
+  }
+  return picture;
+}
+
+}  // namespace
+
 Picture shade(const Scene& scene, const GBuffer& gbuffer, const Light& light, std::span<const float> visibility) {
   return shade(scene, gbuffer, received_light(gbuffer, light), visibility);
 }
@@ -55,16 +72,17 @@ Picture shade(const Scene& scene, const GBuffer& gbuffer, const Light& light, st
 Picture shade(const Scene& scene, const GBuffer& gbuffer, std::span<const double> received, std::span<const float> shares,
               double white) {
   const double exposure = exposure_of(scene, gbuffer, received);
-  Picture picture{gbuffer.width, gbuffer.height, std::vector<std::uint8_t>(gbuffer.size() * 3)};
-  const SrgbSteps& steps = srgb_steps();
-  for (std::size_t i = 0; i < gbuffer.size(); ++i) {
-    Color color = background_srgb;
-    if (!gbuffer.is_background(i))
-      color = shaded_srgb(steps, scene.meshes[gbuffer.mesh[i]].albedo,
-                          (scene.ambient + exposure * received[i] * shares[i]) / white);
-    std::ranges::copy(color, &picture.rgb[3 * i]);
-  }
-  return picture;
+  return shade_under(scene, gbuffer,
+                     [&](std::size_t i) { return (scene.ambient + exposure * received[i] * shares[i]) / white; });
+}
+
+Picture shade(const Scene& scene, const GBuffer& gbuffer, const std::array<ChannelLight, 3>& channels, double exposure) {
+  return shade_under(scene, gbuffer, [&](std::size_t i) {
+    glm::dvec3 light(scene.ambient);
+    for (int c = 0; c < 3; ++c)
+      if (!channels[c].received.empty()) light[c] += exposure * channels[c].received[i] * channels[c].shares[i];
+    return light;
+  });
 }
 
 double brightest(const Scene& scene, const GBuffer& gbuffer, std::span<const double> received) {
@@ -103,6 +121,14 @@ Picture draw_soft_mask(std::span<const float> visibility, int width, int height)
   Picture picture = with_legend(draw_mask(visibility, width, height), legend);
   // Lit pixels are as white as the legend: a line marks the end of the picture.
   std::fill_n(picture.rgb.begin() + static_cast<std::ptrdiff_t>(visibility.size()) * 3, 3 * width, std::uint8_t{150});
+  return picture;
+}
+
+Picture draw_color_mask(const std::array<std::span<const float>, 3>& channels, int width, int height) {
+  const std::vector<float> dark(static_cast<std::size_t>(width) * height);
+  Picture picture = draw_soft_mask(dark, width, height);
+  for (std::size_t c = 0; c < channels.size(); ++c)
+    for (std::size_t i = 0; i < channels[c].size(); ++i) picture.rgb[3 * i + c] = mask_gray(channels[c][i]);
   return picture;
 }
 

@@ -13,6 +13,14 @@ Picture shade(const Scene& scene, const GBuffer& gbuffer, const Light& light, st
 Picture shade(const Scene& scene, const GBuffer& gbuffer, std::span<const double> received, std::span<const float> shares,
               double white = 1);
 
+/// What reaches each pixel of one channel: irradiance without shadows, W/m2, and the share of it. Both are empty in the dark.
+struct ChannelLight {
+  std::span<const double> received = {};
+  std::span<const float> shares = {};
+};
+/// Under colored light: its red, green and blue. Of such a picture exposure_of needs the light of one channel.
+Picture shade(const Scene& scene, const GBuffer& gbuffer, const std::array<ChannelLight, 3>& channels, double exposure);
+
 /// The largest channel, linear, that `shade` shows where all light is received.
 double brightest(const Scene& scene, const GBuffer& gbuffer, std::span<const double> received);
 
@@ -21,6 +29,8 @@ Picture draw_mask(std::span<const float> visibility, int width, int height);
 
 /// The same of a light with area, and below it what the grays mean.
 Picture draw_soft_mask(std::span<const float> visibility, int width, int height);
+/// The same of masks of red, green and blue light, in color; an empty one is dark.
+Picture draw_color_mask(const std::array<std::span<const float>, 3>& channels, int width, int height);
 
 /// A technique's debug layer, width * height * 3 linear floats, and below it its sentence, in three lines at most, and its
 /// legend.

@@ -30,9 +30,13 @@ std::vector<double> received_light(const GBuffer& gbuffer, const Light& light);
 /// for a tenth, ambient light included. 1 where none receives any.
 double exposure_of(const Scene& scene, const GBuffer& gbuffer, std::span<const double> received);
 
-/// A surface of linear albedo under the light `ambient + exposure * received * visibility`.
+/// A surface of linear albedo under the light `ambient + exposure * received * visibility`, by channel.
+inline Color shaded_srgb(const SrgbSteps& steps, const glm::vec3& albedo, const glm::dvec3& light) {
+  return {srgb_fast(steps, albedo.x * light.x), srgb_fast(steps, albedo.y * light.y), srgb_fast(steps, albedo.z * light.z)};
+}
+/// Under white light.
 inline Color shaded_srgb(const SrgbSteps& steps, const glm::vec3& albedo, double light) {
-  return {srgb_fast(steps, albedo.x * light), srgb_fast(steps, albedo.y * light), srgb_fast(steps, albedo.z * light)};
+  return shaded_srgb(steps, albedo, glm::dvec3(light));
 }
 
 /// Visibility as gray, black in shadow; no number is black, too.

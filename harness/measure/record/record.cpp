@@ -111,7 +111,7 @@ void from_json(const Json& json, Record& record) {
   for (const Record::LightFacts& light : r.lights)
     if (light.answer == AnswerKind::received)
       throw Error("lights.answer = received is not one of binary, fraction, transmitted");
-  const AnswerKind wanted = &r.lights.front() == &r.lights.back() ? r.lights.front().answer : AnswerKind::received;
+  const AnswerKind wanted = row_answer(r);
   if (r.answer != wanted) throw Error("answer = {} is not {}, that of its lights", name(r.answer), name(wanted));
   if (Record::LightFacts& first = r.lights.front(); std::size(r.lights) == 1) {
     first.classes = r.classes;

@@ -93,7 +93,7 @@ struct Record {
     std::optional<std::map<std::string, double>> cause_errors;
   };
   std::vector<LightFacts> lights;          ///< one at least, in the scene's order
-  AnswerKind answer = AnswerKind::binary;  ///< of the headline: of one light that light's, of several `received`
+  AnswerKind answer = AnswerKind::binary;  ///< of the headline; see row_answer
   std::optional<bool> shares_build;        ///< of several lights: whether they share what setup and build make
 
   std::map<std::string, std::uint64_t> classes;  ///< pixels of class "B", "F", "G", "S", "U", "T"; sums over several lights
@@ -163,6 +163,10 @@ std::optional<std::map<std::string, double>> cause_shares(const Record& record);
 /// The share of a class, "S", among the pixels that face the light; nothing where none faces it.
 std::optional<double> class_share(const Record& record, std::string_view letter);
 std::vector<std::string> light_names(const Record& record);
+/// The three channels of a light are one.
+std::size_t light_count(const Record& record);
+/// What its lights make the row's answer: that of one light, also where its channels are its lights; else `received`.
+AnswerKind row_answer(const Record& record);
 /// Name of the technique with its settings: the label that the suite gave, else "id:a=1,b=2".
 std::string setting_name(const Record& record);
 /// What makes it the same setting on another scene: id and settings, whatever its label.

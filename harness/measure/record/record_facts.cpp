@@ -2,6 +2,7 @@
 
 #include "measure/record/record.h"
 #include "measure/record/title.h"
+#include "measure/scene/channels.h"
 
 namespace gnomon {
 
@@ -14,10 +15,18 @@ std::optional<double> class_share(const Record& record, std::string_view letter)
   return facing > 0 ? std::optional(of_class / facing) : std::nullopt;
 }
 
+std::size_t light_count(const Record& r) { return whole_count(light_names(r)); }
+
 std::vector<std::string> light_names(const Record& r) {
   std::vector<std::string> names;
   for (const Record::LightFacts& light : r.lights) names.push_back(light.name);
   return names;
+}
+
+AnswerKind row_answer(const Record& r) {
+  const Record::LightFacts& first = r.lights.front();
+  const bool is_one = &first == &r.lights.back() || (channel_of(first.name) && whole_count(light_names(r)) == 1);
+  return is_one ? first.answer : AnswerKind::received;
 }
 
 std::string setting_key(const Record& r) { return r.technique + (r.settings.empty() ? "" : ":" + r.settings); }
@@ -26,10 +35,11 @@ std::optional<std::map<std::string, double>> cause_shares(const Record& r) {
   if (r.cause_errors) return r.cause_errors;
   const auto tested = r.classes.find("T");
   if (!r.causes || tested == r.classes.end() || tested->second == 0) return std::nullopt;
-  // On a path both are sums over its frames.
+  // On a path both are sums over its frames; of a light in its channels causes are sums over these.
+  const std::size_t channels = r.answer == AnswerKind::received ? 1 : std::max<std::size_t>(std::size(r.lights), 1);
   std::map<std::string, double> shares;
   for (const auto& [cause, pixels] : *r.causes)
-    shares[cause] = static_cast<double>(pixels) / static_cast<double>(tested->second);
+    shares[cause] = static_cast<double>(pixels) / static_cast<double>(channels * tested->second);
   return shares;
 }
 

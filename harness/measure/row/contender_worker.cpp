@@ -2,6 +2,7 @@
 
 #include <gnomon/kit/area/path_light.h>
 
+#include "measure/scene/channels.h"
 #include "measure/scene/motion.h"
 
 namespace gnomon {
@@ -66,13 +67,19 @@ Support ContenderWorker::go(const RowFrame& frame, Truth truth) {
   if (!reply_.support) return reply_.support;
   const View view = run_.key(frame, truth).view;
   for (const Light& light : run_.lights(frame))
-    if (const Support reference = reference_support(run_.scene, light, view); !reference) return reference;
+    if (const Support reference = reference_support(run_.frames.scene(light), light, view); !reference) return reference;
   return reply_.support;
 }
 
 std::size_t ContenderWorker::object_count() const {
-  if (reply_.shares.value_or(true)) return 1;
-  return static_cast<std::size_t>(std::ranges::count_if(reply_.lights, [](const Support& light) { return bool(light); }));
+  std::set<std::optional<Channel>> channels;  // objects of one share
+  std::size_t lights = 0;
+  for (std::size_t k = 0; k < frame_.lights.size(); ++k) {
+    if (!supports_light(k)) continue;
+    channels.insert(channel_of(run_.scene.lights[frame_.lights[k]].name));
+    ++lights;
+  }
+  return reply_.shares.value_or(true) ? std::max<std::size_t>(channels.size(), 1) : lights;
 }
 
 ContenderWorker::SetupTime ContenderWorker::setup_time() {

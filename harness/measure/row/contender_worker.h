@@ -51,7 +51,8 @@ class ContenderWorker {
   void end_load() { client_.end_load(); }
   /// Goes to a frame under a truth. Returns the technique's support, or the reference's where that has no answer.
   Support go(const RowFrame& frame, Truth truth);
-  /// Objects that do setup and build for the frame: one for each of several lights where these share nothing.
+  /// Objects that do setup and build for the frame: one for each of several lights where these share nothing, else one for each
+  /// channel.
   std::size_t object_count() const;
   struct SetupTime {
     double ms = 0;

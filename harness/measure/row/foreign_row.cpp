@@ -6,6 +6,7 @@
 
 #include "measure/paths.h"
 #include "measure/record/scene_place.h"
+#include "measure/scene/channels.h"
 #include "measure/worker/machine_context.h"
 
 namespace gnomon {
@@ -64,67 +65,112 @@ void check_foreign_id(const std::string& id) {
     throw Error("technique {} is one that runs here: give the mask's another id with --technique", id);
 }
 
-std::string ScoredMask::words() const {
-  if (!whole) return {};
-  return fmt::format("the whole mask is {}, which makes {:.0f} % of its error", whole->words(), 100 * whole->explained);
+std::string light_of(std::span<const ForeignMask> masks) {
+  const std::string& first = masks.front().light.name;
+  return masks.size() == 1 ? first : std::string(whole_name(first));
 }
 
-ScoredMask scored_mask(const Scene& scene, FrameStore& frames, const FrameKey& key, const Light& light,
-                       std::vector<float> values) {
+std::string ScoredMask::words(std::size_t light) const {
+  const std::optional<WholeMask>& change = whole[light];
+  if (!change) return {};
+  return fmt::format("the whole mask is {}, which makes {:.0f} % of its error", change->words(), 100 * change->explained);
+}
+
+std::string ScoredMask::words() const {
+  std::vector<std::string> all;
+  for (std::size_t k = 0; k < whole.size(); ++k)
+    if (whole[k]) all.push_back((whole.size() > 1 ? measured.lights[k].light.name + ": " : "") + words(k));
+  return joined(all, "; ");
+}
+
+ScoredMask scored_mask(const Scene& scene, FrameStore& frames, const FrameKey& key, std::span<const ForeignMask> masks) {
   ScoredMask scored;
-  MeasuredLight& measured = scored.measured.lights.emplace_back(MeasuredLight{light, {}});
-  Answer& answer = measured.answer;
-  answer.gbuffer = frames.gbuffer(key);
-  answer.reference = frames.reference(key, light);
-  answer.mask = std::move(values);
-  Attribution asked{scene, frames.casters(key.truth), answer.gbuffer, light, answer.reference, answer.mask, {}, nullptr};
-  scored.whole = find_whole_mask(asked);
-  if (scored.whole) asked.whole = &*scored.whole;
-  answer.causes = find_causes(asked);
+  for (const ForeignMask& mask : masks) {
+    Answer answer{frames.gbuffer(key), frames.reference(key, mask.light), mask.values, {}};
+    Attribution asked{frames.scene(mask.light),
+                      frames.casters(key.truth, mask.light),
+                      answer.gbuffer,
+                      mask.light,
+                      answer.reference,
+                      answer.mask,
+                      {},
+                      nullptr};
+    const std::optional<WholeMask>& whole = scored.whole.emplace_back(find_whole_mask(asked));
+    if (whole) asked.whole = &*whole;
+    answer.causes = find_causes(asked);
+    scored.measured.lights.push_back({mask.light, std::move(answer)});
+  }
+  put_together(scored.measured, scene);
   scored.score = score(scored.measured, scene);
   return scored;
 }
 
+namespace {
+
+/// What the masks are, for a record.
+Json facts_of(std::span<const ForeignMask> masks, const std::filesystem::path& file) {
+  std::vector<std::string> channels;
+  std::vector<float> values;
+  for (const ForeignMask& mask : masks) {
+    channels.push_back(mask.channel);
+    values.insert(values.end(), mask.values.begin(), mask.values.end());
+  }
+  return json_object(
+      {{"file", file.string()}, {"channel", joined(channels, ", ")}, {"hash", content_hash(std::as_bytes(std::span(values)))}});
+}
+
+/// The metrics of the same masks under the other truth, which become the row's other masks.
+Metrics score_other(MeasuredRow& row, const Scene& scene, FrameStore& frames, const FrameKey& key) {
+  MeasuredRow other;
+  for (MeasuredLight& light : row.lights) {
+    light.other_mask = light.answer.mask;
+    other.lights.push_back(
+        {light.light, Answer{frames.gbuffer(key), frames.reference(key, light.light), light.answer.mask, {}}});
+  }
+  put_together(other, scene);
+  return score(other, scene).whole.metrics;
+}
+
+}  // namespace
+
 ForeignRow foreign_row(const Scene& scene, const std::string& reference, FrameStore& frames, const FrameKey& key,
-                       const Light& light, ForeignMask mask) {
+                       std::span<const ForeignMask> masks, const ForeignNames& names) {
   FrameKey seen = key;
   if (!scene.has_curved_shapes()) seen.truth = Truth::shape;
-  const Json facts = json_object(
-      {{"file", mask.file.string()}, {"channel", mask.channel}, {"hash", content_hash(std::as_bytes(std::span(mask.values)))}});
-  auto other_mask = scene.has_curved_shapes() ? std::optional(mask.values) : std::nullopt;
-  ForeignRow row{.record = {}, .scored = scored_mask(scene, frames, seen, light, std::move(mask.values))};
+  ForeignRow row{.record = {}, .scored = scored_mask(scene, frames, seen, masks)};
   Record& record = row.record;
   record.scene = reference;
-  record.light = light.name;
+  record.light = light_of(masks);
   record.view = key.view.name;
-  record.technique = mask.technique;
-  record.label = mask.label;
+  record.technique = names.technique;
+  record.label = names.label;
   record.width = key.width;
   record.height = key.height;
   record.truth = key.truth;
   record.job = hash_of(record);
+  std::vector<const Light*> lights;
+  std::vector<std::string> light_names;
+  for (const ForeignMask& mask : masks) {
+    lights.push_back(&mask.light);
+    light_names.push_back(mask.light.name);
+  }
   record.context = machine_context(0);
-  record.context["scene_hash"] = frames.scene_hash({light.name});
+  record.context["scene_hash"] = frames.scene_hash(light_names);
   record.context["frames"] = frame_version();
-  record.context["foreign"] = facts;
+  record.context["foreign"] = facts_of(masks, names.file);
   describe_scene(record, scene);
-  const Light* const lights[] = {&light};
   describe_lights(record, scene, lights);
-  tell_times(record, mask.told_ms);
-  if (row.scored.whole) record.notes.push_back(fmt::format("{}: {}", called(record), row.scored.words()));
+  tell_times(record, names.told_ms);
+  if (const std::string words = row.scored.words(); !words.empty())
+    record.notes.push_back(fmt::format("{}: {}", called(record), words));
 
-  MeasuredLight& measured = row.scored.measured.lights.front();
-  record.lights.front().reference = reference_facts(measured.answer, {});
+  MeasuredRow& measured = row.scored.measured;
+  for (std::size_t k = 0; k < masks.size(); ++k) record.lights[k].reference = reference_facts(measured.lights[k].answer, {});
   put_score(record, row.scored.score);
   const Truth other = key.truth == Truth::shape ? Truth::mesh : Truth::shape;
-  record.metrics[other] = record.metrics[key.truth];
-  if (other_mask) {
-    FrameKey second = key;
-    second.truth = other;
-    const Answer answer{frames.gbuffer(second), frames.reference(second, light), *other_mask, {}};
-    record.metrics[other] = measure_metrics(Scoring(answer.evidence(scene, light)));
-    measured.other_mask = std::move(other_mask);
-  }
+  FrameKey second = key;
+  second.truth = other;
+  record.metrics[other] = scene.has_curved_shapes() ? score_other(measured, scene, frames, second) : record.metrics[key.truth];
   record.status = Status::ok;
   return row;
 }

@@ -4,12 +4,19 @@
 
 namespace gnomon {
 
-/// A mask that another program made of a view of a scene under one light, and the names of its row.
+/// A mask that another program made of a view of a scene under one light.
 struct ForeignMask {
+  Light light;
+  std::string channel;  ///< of its file
+  std::vector<float> values;
+};
+/// The light of a row of masks: of those of a light's three channels the whole light.
+std::string light_of(std::span<const ForeignMask> masks);
+
+/// The names of a row of such masks, and what is told of it.
+struct ForeignNames {
   std::string technique, label;  ///< id, see check_foreign_id; what tables write
   std::filesystem::path file;
-  std::string channel;
-  std::vector<float> values;
   std::map<Stage, double> told_ms;  ///< times from outside, not measured here
 };
 
@@ -21,25 +28,26 @@ void check_foreign_id(const std::string& id);
 struct ScoredMask {
   MeasuredRow measured;
   RowScore score;
-  std::optional<WholeMask> whole;
+  std::vector<std::optional<WholeMask>> whole;  ///< by light
 
   /// "the whole mask is shifted by 1 px right, which makes 98 % of its error"; empty where it is not changed as a
   /// whole.
+  std::string words(std::size_t light) const;
+  /// Those of all lights; of several each with the light's name.
   std::string words() const;
 };
-/// The mask under the light. Its causes are a change of the mask as a whole, and else the look and place of wrong pixels,
-/// because a file explains none.
-ScoredMask scored_mask(const Scene& scene, FrameStore& frames, const FrameKey& key, const Light& light,
-                       std::vector<float> values);
+/// The mask of one light, or those of a light's three channels as one row. Their causes are a change of the mask as a whole,
+/// and else the look and place of wrong pixels, because a file explains none.
+ScoredMask scored_mask(const Scene& scene, FrameStore& frames, const FrameKey& key, std::span<const ForeignMask> masks);
 
 struct ForeignRow {
   Record record;
   ScoredMask scored;
 };
 /// A row as of a run, without what only a run can measure: times (unless told), counts and memory. Under the other truth the
-/// same mask is compared with that truth.
+/// same masks are compared with that truth.
 ForeignRow foreign_row(const Scene& scene, const std::string& reference, FrameStore& frames, const FrameKey& key,
-                       const Light& light, ForeignMask mask);
+                       std::span<const ForeignMask> masks, const ForeignNames& names);
 
 /// Adds rows with their pictures to the folder of a run, or makes one. A row of the same job takes its predecessor's place.
 /// Throws Error, and changes nothing, where one table cannot have the folder's rows and these: they are of another commit or

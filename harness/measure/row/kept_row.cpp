@@ -35,7 +35,7 @@ KeptPlace kept_place(const Record& record, const Scene& scene, Truth truth) {
   for (const std::string& light : light_names(record)) place.lights.push_back(named(scene.lights, light, "light"));
   if (record.path.empty()) return place;
   const Path path = find_path(scene, record.path, place.lights.front(), place.key.view);
-  place.lights.front() = light_at(path, place.lights.front(), path.frame_count - 1);
+  for (Light& light : place.lights) light = light_at(path, light, path.frame_count - 1);
   place.key.view = view_at(path, place.key.view, path.frame_count - 1);
   return place;
 }

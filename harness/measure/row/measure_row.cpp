@@ -62,7 +62,7 @@ class RowMeasurement {
     for (const PathScore& light : light_scores_) lights.push_back(light.score());
     put_score(record_, lights, score_.score());
     record_.metrics[other_truth_] = run_.scene.has_curved_shapes() ? other_score_.score().metrics : record_.metrics[truth_];
-    if (record_.answer != AnswerKind::received) {  // the worst of all frames
+    if (std::size(record_.lights) == 1) {  // the worst of all frames
       record_.lights.front().support = record_.support;
       record_.lights.front().reason = record_.reason;
     }
@@ -115,9 +115,9 @@ class RowMeasurement {
   void find_causes_under(MeasuredLight& measured, std::size_t number) {
     Answer& answer = measured.answer;
     const auto explain = [&](std::span<const std::uint32_t> pixels) { return worker_.client().explain(pixels, number); };
-    answer.causes =
-        find_causes({run_.scene, run_.frames.casters(truth_), answer.gbuffer, measured.light, answer.reference, answer.mask,
-                     measured.right_on_mesh, explain, answer.estimates, answer.own_causes, about_.rasterizes});
+    answer.causes = find_causes({run_.frames.scene(measured.light), run_.frames.casters(truth_, measured.light), answer.gbuffer,
+                                 measured.light, answer.reference, answer.mask, measured.right_on_mesh, explain,
+                                 answer.estimates, answer.own_causes, about_.rasterizes});
     std::optional<Record::ReferenceFacts>& facts = record_.lights[number].reference;
     facts = reference_facts(answer, run_.options.target);
     if (facts && now_.global) facts->global = now_.global->facts[number];

@@ -55,10 +55,11 @@ class Row {
     if (hash != current_.frames->scene_hash(names)) return "the scene is not the one that was measured";
     const View* const view = find_named(current_.scene->views, record_.view);
     if (!view) return fmt::format("the scene has no view {} any more", record_.view);
-    for (const std::string& name : names)
-      if (const Support support = reference_support(*current_.scene, *find_named(current_.scene->lights, name), *view);
-          !support)
+    for (const std::string& name : names) {
+      const Light& light = *find_named(current_.scene->lights, name);
+      if (const Support support = reference_support(current_.frames->scene(light), light, *view); !support)
         return support.why();
+    }
     return {};
   }
 

@@ -1,7 +1,9 @@
 #include "measure/row/row.h"
 
+#include <algorithm>
 #include <deque>
 
+#include "measure/picture/shading.h"
 #include "measure/score/error_picture.h"
 
 namespace gnomon {
@@ -88,7 +90,7 @@ void describe_lights(Record& record, const Scene& scene, std::span<const Light* 
     if (std::ranges::find(kinds, facts.kind) == kinds.end()) kinds.push_back(facts.kind);
   }
   record.light_kind = joined(kinds, "+");
-  record.answer = lights.size() > 1 ? AnswerKind::received : record.lights.front().answer;
+  record.answer = row_answer(record);
 }
 
 void remove_pictures(const Record& record, const fs::path& out) {
@@ -98,6 +100,15 @@ void remove_pictures(const Record& record, const fs::path& out) {
 
 Evidence MeasuredRow::evidence(const Scene& scene) const {
   Evidence evidence = together ? together->evidence() : lights.front().answer.evidence(scene, lights.front().light);
+  for (std::size_t k = 0; k < evidence.channels.size(); ++k) {
+    // The only light of a channel has more than what lights have together.
+    const auto is_of_channel = [&](const MeasuredLight& light) {
+      return channel_of(light.light.name) == together->channels[k].channel;
+    };
+    if (std::ranges::count_if(lights, is_of_channel) != 1) continue;
+    const MeasuredLight& only = *std::ranges::find_if(lights, is_of_channel);
+    evidence.channels[k] = only.answer.evidence(scene, only.light);
+  }
   if (global) {
     evidence.global_picture = global->picture;
     evidence.global_reference = global->reference;
@@ -106,16 +117,20 @@ Evidence MeasuredRow::evidence(const Scene& scene) const {
   return evidence;
 }
 
-void put_together(MeasuredRow& row, const Scene& scene) {
+void put_together(MeasuredRow& row, const Scene& scene, bool in_gray) {
   if (&row.lights.front() == &row.lights.back()) return;  // one light is its row
   std::vector<Evidence> lights;
   for (const MeasuredLight& light : row.lights) lights.push_back(light.answer.evidence(scene, light.light));
-  row.together = together(lights);
+  row.together = in_gray ? together_in_gray(lights) : together(lights);
 }
 
 Picture shade(const Scene& scene, const MeasuredRow& row) {
-  if (row.together) return shade(scene, row.gbuffer(), row.together->received, row.together->shown);
-  return shade(scene, row.gbuffer(), row.lights.front().light, row.mask());
+  if (!row.together) return shade(scene, row.gbuffer(), row.lights.front().light, row.mask());
+  const Together& whole = *row.together;
+  if (whole.channels.empty()) return shade(scene, row.gbuffer(), whole.received, whole.shown);
+  std::array<ChannelLight, std::size(all_channels)> channels;
+  for (const Together& one : whole.channels) channels[static_cast<std::size_t>(*one.channel)] = {one.received, one.shown};
+  return shade(scene, row.gbuffer(), channels, exposure_of(scene, row.gbuffer(), whole.received));
 }
 
 void write_mask(Record& record, const MeasuredRow& measured, const fs::path& out) {

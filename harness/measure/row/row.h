@@ -30,14 +30,16 @@ struct MeasuredRow {
   std::optional<GlobalAnswer> global;
 
   const GBuffer& gbuffer() const { return lights.front().answer.gbuffer; }
-  /// Of the light, of several of the lights together. This and the scene must outlive it.
+  /// Of the light, of several of the lights together, with its channels where these are of several. This and the scene must
+  /// outlive it.
   Evidence evidence(const Scene& scene) const;
   /// Its visibility shown: of several lights the share of the light that they would give.
   std::span<const float> mask() const { return together ? together->shown : lights.front().answer.mask; }
 };
-/// Makes `together` of several lights that have their answers.
-void put_together(MeasuredRow& row, const Scene& scene);
-/// The scene in the light that the row's masks let through.
+/// Makes `together` of several lights that have their answers. In gray where the rows of one reference shall share it: a
+/// pixel's worst channel is another one in each of them.
+void put_together(MeasuredRow& row, const Scene& scene, bool in_gray = false);
+/// The scene in the light that the row's masks let through, in color where lights are of several channels.
 Picture shade(const Scene& scene, const MeasuredRow& row);
 
 /// Sets the record's facts of the scene itself.

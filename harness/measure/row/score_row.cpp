@@ -38,6 +38,7 @@ RowScore score(const MeasuredRow& row, const Scene& scene, const MeasuredRow* be
   if (before) {
     previous = before->evidence(scene);
     evidence.previous = &previous;
+    for (std::size_t k = 0; k < evidence.channels.size(); ++k) evidence.channels[k].previous = &previous.channels[k];
   }
   const Scoring scoring(evidence);
   RowScore result{.lights = {},

@@ -13,7 +13,8 @@ struct Score {
   /// The part of each in the mean error, where the answer is not binary.
   std::optional<std::map<std::string, double>> cause_errors;
 };
-/// Of a row: each light's, and the row's own. Of one light both are the same.
+/// Of a row: each light's, and the row's own. Of one light both are the same. Where lights are of several channels metrics are
+/// means over the channels; pixels have the class and the errors of the one that errs most there.
 struct RowScore {
   std::vector<Score> lights;
   Score whole;

@@ -5,6 +5,7 @@
 #include "measure/program/plugin_facts.h"
 #include "measure/record/title.h"
 #include "measure/run/light_selection.h"
+#include "measure/scene/channels.h"
 #include "measure/scene/load.h"
 #include "measure/scene/motion.h"
 #include "measure/scene/names.h"
@@ -64,9 +65,9 @@ void check_path(const Scene& scene, const std::string& reference, const std::str
     }
   else
     for (const RowLights& row : rows) {
-      if (row.count() > 1)
+      if (const std::size_t count = whole_count(row.lights); count > 1)
         throw Error("path {} of scene {} moves the light, and {} is {} lights: a row on such a path has one", name, reference,
-                    row.name, row.count());
+                    row.name, count);
       const Light& light = *find_named(scene.lights, row.lights.front());
       check_frames(find_path(scene, name, light, some_view), light, some_view, reference);
     }

@@ -3,6 +3,7 @@
 #include <gnomon/error.h>
 #include <gnomon/param.h>
 
+#include "measure/scene/channels.h"
 #include "measure/scene/names.h"
 
 namespace gnomon {
@@ -19,16 +20,17 @@ bool is_like(std::string_view name, std::string_view pattern) {
 
 namespace {
 
+/// Of whole lights: a light of three channels has one name, and each of its channels one that no pattern without a dot selects.
 class Words {
  public:
   Words(const std::string& scene_name, const Scene& scene)
-      : scene_name_(scene_name), scene_(scene), names_(names_of(scene.lights)) {}
+      : scene_name_(scene_name), scene_(scene), whole_(whole_lights(scene.lights)), names_(names_of(whole_)) {}
 
   /// The lights, in the scene's order, that a word without `+` selects.
   std::vector<std::string> lights(const std::string& word) const {
     const bool is_soft = word == "*soft", is_of_kind = is_soft || word == "*hard";
     std::vector<std::string> found;
-    for (const Light& light : scene_.lights)
+    for (const Light& light : word.find('.') == word.npos ? whole_ : scene_.lights)
       if (is_of_kind ? has_area(light) == is_soft : is_like(light.name, word)) found.push_back(light.name);
     if (!found.empty()) return found;
     if (is_of_kind)
@@ -56,17 +58,30 @@ class Words {
       const std::size_t end = std::min(terms.find('+', begin), terms.size());
       const std::string term = terms.substr(begin, end - begin);
       if (term.empty()) throw Error("lights {}: a name is missing beside a +; write a+b, or all+ for all lights", word);
-      for (std::string& light : lights(term)) {
-        if (std::ranges::find(named, light) != named.end())
-          throw Error("lights {}: light {} is named twice; a row has each light once", word, light);
-        named.push_back(std::move(light));
-      }
+      std::ranges::move(lights(term), std::back_inserter(named));
       has_pattern = has_pattern || term.find('*') != term.npos;
       begin = end + 1;
     }
-    std::ranges::sort(named, {}, [&](const std::string& name) { return std::ranges::find(names_, name) - names_.begin(); });
-    const std::string name = has_pattern ? word : joined(named, "+");
-    return row(name, std::move(named));
+    std::ranges::sort(named, {}, [&](const std::string& name) { return places(name).front(); });
+    RowLights together = row(word, named);
+    if (!has_pattern) together.name = joined(named, "+");
+    return together;
+  }
+
+  /// Selected lights as one row, which tables call `word` where they are several.
+  RowLights row(const std::string& word, const std::vector<std::string>& names) const {
+    RowLights row{names.size() == 1 ? names.front() : word, {}};
+    for (const std::string& name : names)
+      for (const std::size_t k : places(name)) {
+        const std::string& light = scene_.lights[k].name;
+        if (std::ranges::find(row.lights, light) != row.lights.end())
+          throw Error("lights {}: light {} is named twice; a row has each light once", word, name);
+        row.lights.push_back(light);
+      }
+    if (row.lights.size() > most_lights)
+      throw Error("lights {} of scene {} are {}; a row has at most {} lights together", word, scene_name_, row.lights.size(),
+                  most_lights);
+    return row;
   }
 
   const std::vector<std::string>& all() const { return names_; }
@@ -80,16 +95,18 @@ class Words {
     return lights;
   }
 
-  RowLights row(const std::string& word, std::vector<std::string> lights) const {
-    if (lights.size() > most_lights)
-      throw Error("lights {} of scene {} are {}; a row has at most {} lights together", word, scene_name_, lights.size(),
-                  most_lights);
-    return {lights.size() == 1 ? lights.front() : word, std::move(lights)};
+  /// Of a light of that name, or of its channels, their places in the scene.
+  std::vector<std::size_t> places(const std::string& name) const {
+    std::vector<std::size_t> found;
+    for (std::size_t k = 0; k < scene_.lights.size(); ++k)
+      if (scene_.lights[k].name == name || whole_name(scene_.lights[k].name) == name) found.push_back(k);
+    return found;
   }
 
   const std::string& scene_name_;
   const Scene& scene_;
-  std::vector<std::string> names_;
+  std::vector<Light> whole_;
+  std::vector<std::string> names_;  ///< of these
 };
 
 }  // namespace
@@ -103,7 +120,7 @@ std::vector<RowLights> row_lights(const std::vector<std::string>& words, const s
     if (std::ranges::find(rows, row.lights, &RowLights::lights) == rows.end()) rows.push_back(std::move(row));
   };
   const auto add_each = [&](const std::vector<std::string>& lights) {
-    for (const std::string& light : lights) add({light, {light}});
+    for (const std::string& light : lights) add(of.row(light, {light}));
   };
   if (words.empty()) add_each(of.all());
   for (const std::string& word : words) {

@@ -9,7 +9,7 @@ namespace gnomon {
 
 /// The lights of one row.
 struct RowLights {
-  std::string name;                 ///< as tables write it: "sun", "sun+lamp", "all+"
+  std::string name;                 ///< as tables write it: "sun", "sun+lamp", "all+"; of the three channels of sun "sun"
   std::vector<std::string> lights;  ///< each once, in the scene's order
   std::size_t count() const { return std::size(lights); }
 };
@@ -29,6 +29,7 @@ bool is_light_name(std::string_view word);
 ///   sun+lamp    these lights together, in one row
 ///   all+        all lights together; `*hard+`, `*soft+`, `ring_*+` those lights together
 ///   all+4       four of them together, evenly chosen in the scene's order; `ring_*+16` sixteen of those
+///   sun.red     one channel of a light, where glass colors it (split_lights); `sun` is its three channels in one row
 /// No words select all lights, a row each. The same lights are a row once; one light "together" is that light. `scene_name` is
 /// for errors. Throws Error when there is no such light or are not so many, one is named twice in a row, or a row has more than
 /// `most_lights`.

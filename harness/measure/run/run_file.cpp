@@ -1,6 +1,7 @@
 #include "measure/run/run_file.h"
 
 #include "measure/part_file.h"
+#include "measure/scene/channels.h"
 #include "measure/scene/load.h"
 #include "measure/scene/scene_json.h"
 #include "measure/worker/build.h"
@@ -35,7 +36,7 @@ Json described(const std::string& reference, const Scene* scene) {
   if (names_file(reference) && fs::path(reference).extension() == ".toml" && is_plain_file(reference))
     json["text"] = file_text(reference);
   if (!scene) return json;
-  for (const Light& light : scene->lights) json["lights"].push_back(scene_json(light));
+  for (const Light& light : whole_lights(scene->lights)) json["lights"].push_back(scene_json(light));
   for (const View& view : scene->views) json["views"].push_back(scene_json(view));
   return json;
 }

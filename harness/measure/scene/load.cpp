@@ -10,6 +10,7 @@
 
 #include "measure/paths.h"
 #include "measure/scene/base_scene.h"
+#include "measure/scene/channels.h"
 
 namespace gnomon {
 
@@ -261,6 +262,7 @@ Scene load_scene(const std::string& reference) {
   Scene scene = read_scene(reference, {});
   finish_scene(scene, reference);
   add_framing(scene);
+  split_lights(scene);
   return scene;
 }
 

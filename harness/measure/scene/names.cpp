@@ -2,6 +2,8 @@
 
 #include <gnomon/param.h>
 
+#include "measure/scene/channels.h"
+
 namespace gnomon {
 
 void require_words(const std::vector<std::string>& wanted, const std::vector<std::string>& there, const char* what,
@@ -14,7 +16,10 @@ void require_words(const std::vector<std::string>& wanted, const std::vector<std
 
 void require_names(const std::string& reference, const Scene& scene, const std::vector<std::string>& lights,
                    const std::vector<std::string>& views) {
-  require_words(lights, names_of(scene.lights), "light", reference);
+  std::vector<std::string> there = names_of(whole_lights(scene.lights));
+  for (const Light& light : scene.lights)
+    if (channel_of(light.name)) there.push_back(light.name);
+  require_words(lights, there, "light", reference);
   require_words(views, names_of(scene.views), "view", reference);
 }
 

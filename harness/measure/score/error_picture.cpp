@@ -51,10 +51,11 @@ void add_wrong(PictureLegend& legend, std::span<const ErrorKind> kinds, const Su
 }
 
 /// The error and what it is made of, then the scale of the colors.
-void add_soft(PictureLegend& legend, std::span<const ErrorKind> kinds, const Sums& sums, bool has_floor) {
+void add_soft(PictureLegend& legend, std::span<const ErrorKind> kinds, const Sums& sums, const Evidence& e) {
   if (sums.tested == 0) return legend.add(std::nullopt, "no pixel is tested");
+  const std::string floor = e.reference_half.empty() ? "" : ", floor " + percent(sums.floor / sums.tested);
   legend.add(std::nullopt,
-             "error " + percent(sums.error / sums.tested) + (has_floor ? ", floor " + percent(sums.floor / sums.tested) : ""));
+             (e.channels.empty() ? "error " : "error of the worst channel ") + percent(sums.error / sums.tested) + floor);
   for (std::size_t k = 0; k < kinds.size(); ++k)
     if (sums.errors[k] > 0) legend.add(kinds[k].color, kinds[k].label + " " + percent(sums.errors[k] / sums.error) + " of it");
   constexpr std::uint8_t gray = 128;
@@ -78,7 +79,7 @@ Picture draw_errors(const Evidence& evidence, const std::string& title) {
   const Sums sums = add_up(evidence, marks, kinds.size());
   PictureLegend legend(gbuffer.width);
   if (!title.empty()) legend.add(std::nullopt, title);
-  soft ? add_soft(legend, kinds, sums, !evidence.reference_half.empty()) : add_wrong(legend, kinds, sums);
+  soft ? add_soft(legend, kinds, sums, evidence) : add_wrong(legend, kinds, sums);
 
   const std::vector<float> lit(gbuffer.size(), 1.0f);
   const Picture shaded = evidence.light ? shade(*evidence.scene, gbuffer, *evidence.light, lit)

@@ -264,6 +264,10 @@ constexpr MetricInfo metric_rows[] = {
     {"transmittance_error_2", "", "lower", "The same of ways through 2 surfaces.", glass_error_behind<2>},
     {"transmittance_error_3_4", "", "lower", "The same of ways through 3 or 4 surfaces.", glass_error_behind<3>},
     {"transmittance_error_5_up", "", "lower", "The same of ways through 5 surfaces or more.", glass_error_behind<4>},
+    {hue_error_name, "", "lower",
+     "Mean over the pixels tested in all three channels of the largest less the smallest signed difference among them, where "
+     "glass colors the light.",
+     [](const Scoring& s) { return measure_hue_error(s.evidence()); }},
     {"ssim", "index", "higher", "Structural similarity of the shaded picture and the reference's, on luma; 1 is equal.",
      [](const Scoring& s) { return s.likeness().ssim; }},
     {"flip", "index", "lower",

@@ -34,6 +34,8 @@ struct Evidence {
   std::span<const float> global_picture = {}, global_reference = {}, global_error = {};
   std::span<const CauseInfo> own_causes = {};  ///< that the technique has beside the common ones
   AnswerKind kind = AnswerKind::binary;        ///< of the reference: what the mask is compared with
+  /// Where lights are of several channels (see Together), else empty: each channel's own. A metric is the mean over them.
+  std::vector<Evidence> channels = {};
 
   bool faces_light(std::size_t i) const { return classes[i] > PixelClass::F; }
   bool is_wrong(std::size_t i) const { return gnomon::is_wrong(mask[i], reference[i], kind); }
@@ -90,8 +92,11 @@ struct Likeness {
 /// What several metrics share, each made at its first use. The evidence must outlive it. Not for two threads at once.
 class Scoring {
  public:
-  explicit Scoring(const Evidence& evidence) : evidence_(evidence) {}
+  explicit Scoring(const Evidence& evidence)
+      : evidence_(evidence), channels_(evidence.channels.begin(), evidence.channels.end()) {}
   const Evidence& evidence() const { return evidence_; }
+  /// Of its evidence's channels.
+  const std::vector<Scoring>& channels() const { return channels_; }
   const ErrorCounts& error_counts() const;
   const Displacement& displacement() const;
   /// Distance in pixels of every pixel to the reference's shadow boundary; infinity when it has none.
@@ -110,6 +115,7 @@ class Scoring {
 
  private:
   const Evidence& evidence_;
+  std::vector<Scoring> channels_;
   mutable std::optional<ErrorCounts> error_counts_;
   mutable std::optional<Displacement> displacement_;
   mutable std::optional<std::vector<float>> edge_distance_;
@@ -129,12 +135,15 @@ struct MetricInfo {
   std::optional<double> (*value)(const Scoring&);
 };
 std::span<const MetricInfo> metric_infos();
+/// The metric that compares channels, which those of one do not have.
+inline constexpr std::string_view hue_error_name = "hue_error";
 
 // The bodies of metrics that fill a file of their own.
 Displacement measure_displacement(const Evidence& evidence);
 Softness measure_softness(const Evidence& evidence);
 LightError measure_light_error(const Scoring& scoring);
 GlassError measure_glass_error(const Evidence& evidence);
+std::optional<double> measure_hue_error(const Evidence& evidence);
 Likeness measure_likeness(const Scoring& scoring);
 
 /// Square meters that pixel i covers on the plane through its point, across its normal: the exact area of the quadrilateral

@@ -1,7 +1,9 @@
-// Behind casters that let a part of the light through: errors by how much glass is on the way, and by distance to jumps.
+// Behind casters that let a part of the light through: errors by how much glass is on the way, by distance to jumps, and in
+// hue.
 #include <algorithm>
 
 #include "measure/frame/boundary.h"
+#include "measure/scene/channels.h"
 #include "measure/score/metrics.h"
 #include "measure/statistics/statistics.h"
 
@@ -51,6 +53,19 @@ GlassError measure_glass_error(const Evidence& e) {
                     .by_surfaces = {}};
   std::ranges::transform(by_surfaces, result.by_surfaces.begin(), &Sum::mean);
   return result;
+}
+
+std::optional<double> measure_hue_error(const Evidence& e) {
+  if (e.channels.size() != std::size(all_channels)) return std::nullopt;
+  Sum spreads;
+  for (std::size_t i = 0; i < e.mask.size(); ++i) {
+    if (std::ranges::any_of(e.channels, [&](const Evidence& one) { return one.classes[i] != PixelClass::T; })) continue;
+    std::array<double, std::size(all_channels)> errors;
+    std::ranges::transform(e.channels, errors.begin(),
+                           [i](const Evidence& one) { return static_cast<double>(one.mask[i]) - one.reference[i]; });
+    spreads.add(std::ranges::max(errors) - std::ranges::min(errors));
+  }
+  return spreads.mean();
 }
 
 }  // namespace gnomon

@@ -9,6 +9,13 @@
 namespace gnomon {
 
 std::map<std::string, double> cause_errors(const Evidence& evidence) {
+  if (!evidence.channels.empty()) {
+    std::map<std::string, double> mean;
+    for (const Evidence& channel : evidence.channels)
+      for (const auto& [cause, error] : cause_errors(channel))
+        mean[cause] += error / static_cast<double>(evidence.channels.size());
+    return mean;
+  }
   const std::vector<CauseInfo> infos = with_common(evidence.own_causes);
   std::vector<double> sums(infos.size() + 1, 0.0);
   std::size_t tested = 0;
@@ -31,16 +38,32 @@ std::string causes_obstacle(const Record& record) {
   return fmt::format("they were found on references of version {}, today's are of version {}", then, now);
 }
 
+namespace {
+
+/// Over the channels, where there are several: nothing where one has none.
+std::optional<double> mean_value(const MetricInfo& info, const Scoring& scoring) {
+  if (scoring.channels().empty() || info.name == hue_error_name) return info.value(scoring);
+  double sum = 0;
+  for (const Scoring& channel : scoring.channels()) {
+    const std::optional<double> value = info.value(channel);
+    if (!value) return std::nullopt;
+    sum += *value;
+  }
+  return sum / static_cast<double>(scoring.channels().size());
+}
+
+}  // namespace
+
 Metrics measure_metrics(const Scoring& scoring) {
   Metrics metrics;
-  for (const MetricInfo& info : metric_infos()) metrics[std::string(info.name)] = info.value(scoring);
+  for (const MetricInfo& info : metric_infos()) metrics[std::string(info.name)] = mean_value(info, scoring);
   return metrics;
 }
 
 std::optional<double> measure_metric(const Scoring& scoring, std::string_view name) {
   const auto info = std::ranges::find(metric_infos(), name, &MetricInfo::name);
   assert(info != metric_infos().end());
-  return info->value(scoring);
+  return mean_value(*info, scoring);
 }
 
 std::map<std::string, std::uint64_t> class_counts(std::span<const PixelClass> classes) {

@@ -38,12 +38,13 @@ struct Answer {
   }
 };
 
-/// What each cause holds of the mean error over T, by name, every cause; zeros too. They add up to it.
+/// What each cause holds of the mean error over T, by name, every cause; zeros too. They add up to it. Of several channels the
+/// mean over them.
 std::map<std::string, double> cause_errors(const Evidence& evidence);
 /// Why a record's causes do not belong to today's frames: they were found on frames of another version. Empty where they do.
 std::string causes_obstacle(const Record& record);
 
-/// All metrics.
+/// All metrics; of several channels the means over them.
 Metrics measure_metrics(const Scoring& scoring);
 /// One of them; the name is that of a metric.
 std::optional<double> measure_metric(const Scoring& scoring, std::string_view name);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <map>
 
 #include "measure/picture/shading.h"
 
@@ -36,10 +37,8 @@ void add(const Evidence& e, const std::vector<double>& received, Together& whole
   }
 }
 
-}  // namespace
-
-Together together(std::span<const Evidence> lights) {
-  assert(!lights.empty());
+/// Lights of one channel or of none. `row` is all lights of the row: what one of them has, every channel has.
+Together sum_of(std::span<const Evidence> lights, std::span<const Evidence> row) {
   const GBuffer& gbuffer = *lights.front().gbuffer;
   const std::size_t pixels = gbuffer.size();
   Together whole{.scene = lights.front().scene,
@@ -48,7 +47,7 @@ Together together(std::span<const Evidence> lights) {
                  .classes = std::vector<PixelClass>(pixels, PixelClass::B),
                  .own_causes = {lights.front().own_causes.begin(), lights.front().own_causes.end()}};
   const auto any_has = [&](auto member) {
-    return std::ranges::any_of(lights, [&](const Evidence& e) { return !(e.*member).empty(); });
+    return std::ranges::any_of(row, [&](const Evidence& e) { return !(e.*member).empty(); });
   };
   if (any_has(&Evidence::causes)) whole.causes.assign(pixels, Cause::none);
   std::vector<ShareSums> sums(pixels);
@@ -70,7 +69,57 @@ Together together(std::span<const Evidence> lights) {
   return whole;
 }
 
+/// Takes pixel `i` of a channel.
+void take(Together& whole, const Together& channel, std::size_t i) {
+  const auto take = [&](auto member) {
+    if (!(whole.*member).empty()) (whole.*member)[i] = (channel.*member)[i];
+  };
+  take(&Together::classes);
+  take(&Together::causes);
+  for (const auto member : {&Together::mask, &Together::reference, &Together::reference_error, &Together::reference_half})
+    take(member);
+}
+
+Together worst_of(std::vector<Together> channels) {
+  Together whole = channels.front();
+  whole.channel.reset();
+  for (std::size_t i = 0; i < whole.mask.size(); ++i) {
+    double shown = 0;
+    for (const Together& channel : channels) {
+      shown += channel.shown[i];
+      const auto rank = [i](const Together& of) { return std::pair(of.classes[i], std::abs(of.mask[i] - of.reference[i])); };
+      if (rank(channel) > rank(whole)) take(whole, channel, i);
+    }
+    whole.shown[i] = static_cast<float>(shown / static_cast<double>(channels.size()));
+  }
+  whole.channels = std::move(channels);
+  return whole;
+}
+
+}  // namespace
+
+Together together(std::span<const Evidence> lights) {
+  assert(!lights.empty());
+  std::map<std::optional<Channel>, std::vector<Evidence>> by_channel;
+  std::vector<std::string> names;
+  for (const Evidence& light : lights) {
+    by_channel[channel_of(light.light->name)].push_back(light);
+    names.push_back(light.light->name);
+  }
+  std::vector<Together> channels;
+  for (const auto& [channel, of] : by_channel) {
+    channels.push_back(sum_of(of, lights));
+    channels.back().channel = channel;
+    if (channel && whole_count(names) == 1) channels.back().kind = lights.front().kind;
+  }
+  return channels.size() > 1 ? worst_of(std::move(channels)) : std::move(channels.front());
+}
+
+Together together_in_gray(std::span<const Evidence> lights) { return sum_of(lights, lights); }
+
 Evidence Together::evidence() const {
+  std::vector<Evidence> each;
+  for (const Together& one : channels) each.push_back(one.evidence());
   return {.width = gbuffer->width,
           .height = gbuffer->height,
           .classes = classes,
@@ -83,7 +132,8 @@ Evidence Together::evidence() const {
           .reference_half = reference_half,
           .received = received,
           .own_causes = own_causes,
-          .kind = AnswerKind::received};
+          .kind = kind,
+          .channels = std::move(each)};
 }
 
 }  // namespace gnomon

@@ -1,6 +1,10 @@
 #include "measure/worker/requested_frame.h"
 
+#include <gnomon/kit/bases/light_objects.h>
+
+#include "measure/scene/channels.h"
 #include "measure/scene/motion.h"
+#include "measure/scene/names.h"
 
 namespace gnomon {
 
@@ -33,11 +37,28 @@ RequestedFrame requested_frame(const GoRequest& request, const Scene& scene) {
   if (requested.lights.empty()) throw Error("a frame has no light");
   if (request.path.empty() || request.light_and_view) return requested;
   const Path path = find_path(scene, request.path, requested.lights.front(), requested.key.view);
-  if (path.moves == Path::Moves::light && requested.lights.size() > 1) throw Error("a path moves one light");
-  requested.lights.front() = light_at(path, requested.lights.front(), request.frame);
+  if (path.moves == Path::Moves::light && whole_count(names_of(requested.lights)) > 1) throw Error("a path moves one light");
+  for (Light& light : requested.lights) light = light_at(path, light, request.frame);
   requested.key.view = view_at(path, requested.key.view, request.frame);
   if (path.moves == Path::Moves::light) requested.lit_by += fmt::format(" {} {}", request.path, request.frame);
   return requested;
+}
+
+Support support_of_row(const std::vector<Light>& lights, const std::vector<Support>& supports) {
+  std::vector<Light> whole;
+  std::vector<Support> of_whole;
+  for (std::size_t k = 0; k < lights.size(); ++k) {
+    const std::string name(whole_name(lights[k].name));
+    const bool is_another = whole.empty() || whole_name(whole.back().name) != name ||
+                            of_whole.back().kind() != supports[k].kind() || of_whole.back().why() != supports[k].why();
+    if (is_another) {
+      whole.push_back(lights[k]);
+      of_whole.push_back(supports[k]);
+    } else {
+      whole.back().name = name;
+    }
+  }
+  return support_together(whole, of_whole);
 }
 
 }  // namespace gnomon

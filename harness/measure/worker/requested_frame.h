@@ -16,6 +16,8 @@ struct RequestedFrame {
 void check_size(int width, int height);
 /// Throws Error, or what containers throw, on a request that makes no sense.
 RequestedFrame requested_frame(const GoRequest& request, const Scene& scene);
+/// support_together of a frame's lights, in whose words the channels of a light that are alike are that light.
+Support support_of_row(const std::vector<Light>& lights, const std::vector<Support>& supports);
 /// The scene in a file of scene_bytes.
 Scene scene_in(const std::string& file);
 

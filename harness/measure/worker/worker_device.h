@@ -1,6 +1,8 @@
 #pragma once
 #include <gnomon/kit/gl/gl.h>
 
+#include <set>
+
 #include "device/bare_pass.h"
 #include "device/context.h"
 #include "device/stopwatch.h"
@@ -30,12 +32,13 @@ class StagedInputs {
  public:
   /// Before the clock of a stage starts. Geometry that changed is uploaded by the technique's build; the inputs of the picture
   /// are uploaded before resolve.
-  void prepare(Stage stage, const Scene& scene, const GBuffer& gbuffer) {
-    if (stage == Stage::build) forget_scene(scene);
-    if (stage == Stage::resolve) {
-      gbuffer_textures(gbuffer, scene);
+  void prepare(Stage stage, const std::set<const Scene*>& scenes, const GBuffer& gbuffer) {
+    for (const Scene* const scene : scenes) {
+      if (stage == Stage::build) forget_scene(*scene);
+      if (stage != Stage::resolve) continue;
+      gbuffer_textures(gbuffer, *scene);
       for (const Truth sees : {Truth::shape, Truth::mesh})
-        if (uses_depth_stencil(sees)) depth_stencil(scene, gbuffer, sees);
+        if (uses_depth_stencil(sees)) depth_stencil(*scene, gbuffer, sees);
     }
     glFinish();
     before_ = uploaded_scene_bytes();
@@ -52,12 +55,17 @@ class StagedInputs {
   }
   void end_stage() { staged_ += uploaded_scene_bytes() - before_; }
 
-  GlInputs facts(const Scene& scene, const GBuffer& gbuffer) const {
-    const UploadCost picture = picture_uploads(scene, gbuffer);
-    const SceneBuffers* const triangles = uploaded_scene(scene);
-    return {.input_bytes = picture.bytes,
-            .upload_ms = picture.ms,
-            .geometry_bytes = triangles ? triangles->bytes : 0,
+  GlInputs facts(const std::set<const Scene*>& scenes, const GBuffer& gbuffer) const {
+    UploadCost pictures;
+    std::uint64_t geometry = 0;
+    for (const Scene* const scene : scenes) {
+      const UploadCost picture = picture_uploads(*scene, gbuffer);
+      pictures = {pictures.bytes + picture.bytes, pictures.ms + picture.ms};
+      if (const SceneBuffers* const triangles = uploaded_scene(*scene)) geometry += triangles->bytes;
+    }
+    return {.input_bytes = pictures.bytes,
+            .upload_ms = pictures.ms,
+            .geometry_bytes = geometry,
             .loose_bytes = uploaded_scene_bytes() - staged_};
   }
 

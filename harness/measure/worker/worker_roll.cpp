@@ -4,6 +4,7 @@
 #include <gnomon/registry.h>
 
 #include "measure/program/described_technique.h"
+#include "measure/scene/channels.h"
 #include "measure/worker/requested_frame.h"
 #include "measure/worker/roll_protocol.h"
 #include "measure/worker/worker_server.h"
@@ -46,14 +47,18 @@ Done make_scene(const MakeSceneRequest& request) {
 SupportsRequest::Reply supports(const SupportsRequest& request) {
   static std::string file;  // requests come scene by scene
   static Scene scene;
-  if (request.scene != file) scene = scene_in(request.scene);
+  static std::optional<ChannelScenes> channels;
+  if (request.scene != file) {
+    scene = scene_in(request.scene);
+    channels.emplace(scene);
+  }
   file = request.scene;
   const TechniqueEntry& entry = registry().technique(request.technique);
   const auto technique = entry.make();
   technique->apply(request.settings);
   SupportsRequest::Reply reply;
   for (const Light& light : scene.lights)
-    reply.lights.push_back(reply_of(support_of(entry.about, *technique, scene, light, scene.views.front())));
+    reply.lights.push_back(reply_of(support_of(entry.about, *technique, channels->of(light), light, scene.views.front())));
   return reply;
 }
 

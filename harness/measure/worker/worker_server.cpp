@@ -7,12 +7,14 @@
 #include <tbb/global_control.h>
 
 #include <deque>
+#include <set>
 
 #include "measure/cause/causes.h"
 #include "measure/picture/detail_export.h"
 #include "measure/process_memory.h"
 #include "measure/program/elsewhere.h"
 #include "measure/progress.h"
+#include "measure/scene/channels.h"
 #include "measure/worker/counted_stage.h"
 #include "measure/worker/machine_context.h"
 #include "measure/worker/requested_frame.h"
@@ -22,8 +24,6 @@
 namespace gnomon {
 
 namespace {
-
-using Clock = std::chrono::steady_clock;
 
 /// Serves requests for one technique: it has the scene, the frame, and the number of stages that are up to date.
 class TechniqueServer {
@@ -65,6 +65,7 @@ class TechniqueServer {
   OpenRequest::Reply open(const OpenRequest& request) {
     if (tracer_) throw Error("a worker that traces serves no technique");
     scene_ = scene_in(request.scene);
+    channels_.emplace(scene_);
     entry_ = &registry().technique(request.technique);
     objects_.emplace(*entry_, request.settings);
     settings_ = request.settings;
@@ -106,7 +107,7 @@ class TechniqueServer {
     bare_pass_.reset();
     gbuffer_ = known;
     const std::vector<Support> supports = hold_objects(requested.key);
-    const Support support = support_together(*lights_, supports);
+    const Support support = support_of_row(*lights_, supports);
     GoRequest::Reply reply{.support = reply_of(support), .fresh = fresh_ + 1};
     for (const Support& one : supports) reply.lights.push_back(reply_of(one));
     if (supports.size() > 1) reply.shares = objects_->shares();
@@ -120,16 +121,19 @@ class TechniqueServer {
     technique->apply(settings_);
     const Support inputs = uses_gl_ ? within_limits(inputs_need(scene_, key.width, key.height)) : Support::full();
     std::vector<Support> supports;
+    std::vector<std::size_t> scenes;  // by number, of the lights that are supported
     masks_.clear();
     const std::vector<std::size_t> before = std::exchange(lit_, {});
     for (std::size_t k = 0; k < lights_->size(); ++k) {
-      supports.push_back(inputs ? support_of(entry_->about, *technique, scene_, (*lights_)[k], key.view) : inputs);
+      const Light& light = (*lights_)[k];
+      supports.push_back(inputs ? support_of(entry_->about, *technique, channels_->of(light), light, key.view) : inputs);
       masks_.emplace_back(key.width, key.height);
       if (supports.back()) lit_.push_back(k);
+      if (supports.back()) scenes.push_back(static_cast<std::size_t>(channel_of(light.name).value_or(Channel::red)));
       // A light without shadows, of several: lit everywhere.
       if (!supports.back()) std::ranges::fill(masks_.back().pixels(), 1.0f);
     }
-    if (objects_->hold(lit_.size())) fresh_ = -1;
+    if (scenes.empty() ? objects_->hold(1) : objects_->hold_by_scene(scenes)) fresh_ = -1;
     // What a technique supports may depend on the view: an object then belongs to another light, or is new.
     if (lit_ != before) fresh_ = std::min(fresh_, static_cast<int>(Stage::build));
     return supports;
@@ -166,7 +170,7 @@ class TechniqueServer {
     double harness_sum = 0;
     bool is_own = false;
     TimeRequest::Reply reply{.device_ms = 0};
-    const auto start = Clock::now();
+    const auto start = std::chrono::steady_clock::now();
     do {
       const StageTime time = this->time(request.stage);
       harness_sum += time.harness_ms;
@@ -182,8 +186,9 @@ class TechniqueServer {
 
   /// The bare pass of the data sheet, so many times in a row.
   FloorRequest::Reply floor(int times) {
-    return inputs_.beside(scene_, [&] {
-      if (!bare_pass_) bare_pass_.emplace(entry_->about.floor, scene_, gbuffer_);
+    const Scene& scene = **scenes().begin();
+    return inputs_.beside(scene, [&] {
+      if (!bare_pass_) bare_pass_.emplace(entry_->about.floor, scene, gbuffer_);
       return bare_pass_->time(times, stopwatch_ ? &*stopwatch_ : nullptr);
     });
   }
@@ -203,14 +208,14 @@ class TechniqueServer {
     if (stage >= Stage::relight && masks_.empty()) throw Error("a worker cannot {} before it has a frame", name(stage));
     if (stage >= Stage::relight && lit_.empty())
       throw Error("a worker cannot {} lights that its technique refuses", name(stage));
-    if (uses_gl_) inputs_.prepare(stage, scene_, gbuffer_);
+    if (uses_gl_) inputs_.prepare(stage, scenes(), gbuffer_);
     std::optional<double> own_ms;
     std::optional<CountedStage> counted(std::in_place, name(stage).data());
-    const auto start = Clock::now();
+    const auto start = std::chrono::steady_clock::now();
     if (stopwatch_) stopwatch_->start();
     objects_->each(stage, [&](Technique& technique, std::size_t k) {
       if (stage == Stage::setup) technique.setup();
-      if (stage == Stage::build) technique.build(scene_);
+      if (stage == Stage::build) technique.build(lit_.empty() ? scene_ : channels_->of((*lights_)[lit_[k]]));
       if (stage == Stage::relight) technique.relight((*lights_)[lit_[k]]);
       if (stage == Stage::resolve) technique.resolve(gbuffer_, masks_[lit_[k]]);
       if (const WorksElsewhere* const there = elsewhere(technique))
@@ -218,7 +223,7 @@ class TechniqueServer {
     });
     if (stopwatch_) stopwatch_->stop();
     if (uses_gl_) glFinish();
-    const double ms = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+    const double ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
     counted.reset();
     if (const GLenum code = uses_gl_ ? glGetError() : GLenum{GL_NO_ERROR}; code != GL_NO_ERROR)
       throw Error("OpenGL error {:#x}", code);
@@ -242,7 +247,7 @@ class TechniqueServer {
     const auto peak = static_cast<std::uint64_t>(peak_bytes());  // first: counting may build or draw once more
     AnswerRequest::Reply reply{.counts = objects_->counts(), .peak_bytes = peak};
     if (uses_gl_) {
-      reply.gl = inputs_.facts(scene_, gbuffer_);
+      reply.gl = inputs_.facts(scenes(), gbuffer_);
       for (Count& count : reply.counts)
         if (count.name == "bytes") count.value += static_cast<double>(*reply.gl->geometry_bytes);
     }
@@ -304,8 +309,16 @@ class TechniqueServer {
     return *object;
   }
 
+  /// Those that objects are built on; before there is a frame the scene itself.
+  std::set<const Scene*> scenes() {
+    std::set<const Scene*> scenes;
+    for (const std::size_t k : lit_) scenes.insert(&channels_->of((*lights_)[k]));
+    return scenes.empty() ? std::set<const Scene*>{&scene_} : scenes;
+  }
+
   Answers answers_;
   Scene scene_;
+  std::optional<ChannelScenes> channels_;
   const TechniqueEntry* entry_ = nullptr;
   std::string settings_;
   std::optional<LightObjects> objects_;

@@ -143,7 +143,7 @@ class Collector {
   Json frame(const Record& r, bool with_irradiance) {
     const Scene& scene = frames_.scene();
     MeasuredRow row = kept_row(r, dir_ / *r.mask, "V", kept_place(r, scene, r.truth), frames_.store());
-    put_together(row, scene);
+    put_together(row, scene, true);
     if (!row.together) return frame_of(row.lights.front(), with_irradiance);
     const Together& all = *row.together;
     Json json = shadings(row.gbuffer(), all.received);
@@ -207,7 +207,7 @@ class Collector {
       MeasuredRow row = kept_row(r, dir_ / *r.mask, "V", kept_place(r, frames_.scene(), r.truth), frames_.store());
       for (std::size_t k = 0; k < r.lights.size(); ++k)
         if (r.lights[k].causes) take_causes(r, row.lights[k].answer, r.lights[k]);
-      put_together(row, frames_.scene());
+      put_together(row, frames_.scene(), true);
       Json json;
       if (!row.together) json = mask_of(row.lights.front());
       add_global(r, json);

@@ -46,7 +46,7 @@ void add_identity(std::vector<Column>& columns) {
   columns.push_back(text_column("scene", "scene", [](const Record& r) { return text_cell(r.scene); }));
   columns.push_back(text_column("light", "light", [](const Record& r) { return text_cell(r.light); }));
   columns.push_back(text_column("light_kind", "light kind", [](const Record& r) { return text_cell(r.light_kind); }));
-  columns.push_back(whole_column("light_count", "", "lights", [](const Record& r) { return count_cell(r.lights.size()); }));
+  columns.push_back(whole_column("light_count", "", "lights", [](const Record& r) { return count_cell(light_count(r)); }));
   columns.push_back(text_column("view", "view", [](const Record& r) { return text_cell(r.view); }));
   columns.push_back(text_column("path", "path", [](const Record& r) { return text_cell(r.path); }));
   columns.push_back(whole_column("frames", "", "frames", [](const Record& r) {

@@ -119,7 +119,7 @@ void add_error_columns(std::vector<std::string>& names, std::span<const Record> 
   names.emplace_back("error");
   add_known(names, records, {"error_floor", "snapping_floor"});
   if (has_wrong_pixels(records)) names.emplace_back("wrong_rate");
-  add_known(names, records, {"transmittance_error_rms", "transmittance_error_p95"});
+  add_known(names, records, {"transmittance_error_rms", "transmittance_error_p95", "hue_error"});
   if (any_is(records, AnswerKind::received))
     names.insert(names.end(), {"light_error_max", "received_error_rms", "flip", "ssim"});
 }

@@ -10,6 +10,7 @@
 #include "measure/exchange/gltf_transmission.h"
 #include "measure/exchange/scene_files.h"
 #include "measure/scene/blob.h"
+#include "measure/scene/channels.h"
 #include "measure/scene/load.h"
 #include "measure/scratch_folder.h"
 
@@ -148,6 +149,19 @@ TEST(transmission_files, a_mask_and_a_transmission_come_back_together) {
   }
   scene.meshes[1].transmission = of(1, 2, 3, {0, 0.5f, 1, 1, 0, 0});
   expect_words(error_of([&] { through_gltf(scene); }), {"mesh 'mesh_1'", "an alpha mask and a transmission of colored texels"});
+}
+
+// Lights of three channels are one light each in every file, and three again when it is loaded.
+TEST(transmission_files, colored_glass_has_the_lights_of_its_scene_file) {
+  Scene scene = panes({constant({0.9f, 0.2f, 0.1f})});
+  scene.lights.push_back(hand_made::sun({0, -1, 0}));
+  split_lights(scene);
+  ASSERT_EQ(scene.lights.size(), 6u);
+  const Json lights = scene_facts_json(scene)["lights"];
+  ASSERT_EQ(lights.size(), 2u);
+  EXPECT_EQ(lights[0]["name"], "point");
+  EXPECT_EQ(lights[1]["name"], "sun");
+  EXPECT_EQ(names_of(through_gltf(scene).lights), names_of(scene.lights));
 }
 
 TEST(transmission_files, gltf_keeps_albedo_and_whether_it_is_seen_in_extras) {

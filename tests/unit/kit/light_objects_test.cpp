@@ -99,6 +99,27 @@ TEST(light_objects, objects_beside_those_of_another_share_with_its_first_and_nee
   EXPECT_EQ(guests.count(), 1u);
 }
 
+TEST(light_objects, objects_share_with_those_of_their_own_scene) {
+  LightObjects objects(sharing, "");
+  EXPECT_TRUE(objects.hold_by_scene({0, 1, 0, 1, 1})) << "the second is built on another scene";
+  EXPECT_EQ(objects.shares(), true);
+  std::vector<std::size_t> built, lit;
+  objects.each(Stage::build, [&](Technique& object, std::size_t k) {
+    object.build({});
+    built.push_back(k);
+  });
+  objects.each(Stage::relight, [&](Technique&, std::size_t k) { lit.push_back(k); });
+  EXPECT_EQ(built, (std::vector<std::size_t>{0, 1}));
+  EXPECT_EQ(lit, (std::vector<std::size_t>{0, 1, 2, 3, 4}));
+  const Technique* const first = &objects[0];
+  EXPECT_FALSE(objects.hold_by_scene({0, 1, 1})) << "those before the difference stay";
+  EXPECT_EQ(&objects[0], first);
+  EXPECT_EQ(objects[2].counts()[1].value, 1) << "it sees the build of the second";
+  EXPECT_TRUE(objects.hold_by_scene({1})) << "it was built on scene 0";
+  EXPECT_TRUE(objects.hold_by_scene({1, 0}));
+  EXPECT_EQ(objects.shares(), std::nullopt) << "each has a scene of its own";
+}
+
 TEST(light_objects, lights_without_shadows_make_the_whole_approximate_and_never_go_unsaid) {
   std::vector<Light> lights(6);
   for (std::size_t k = 0; k < lights.size(); ++k) lights[k].name = fmt::format("l{}", k);

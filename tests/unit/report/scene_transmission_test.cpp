@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "../hand_made.h"
+#include "measure/scene/channels.h"
 #include "report/scene_description.h"
 
 namespace scene_transmission_test {
@@ -37,6 +38,17 @@ TEST(scene_transmission, is_described_with_its_meshes_and_shares) {
   EXPECT_EQ(meshes[2]["seen"], true);
   EXPECT_EQ(meshes[1]["closed"], false);
   EXPECT_EQ(meshes[3]["transmission"]["channels"], 3);
+}
+
+TEST(scene_transmission, that_colors_the_light_leaves_the_lights_as_their_file_has_them) {
+  Scene scene = panes();
+  scene.meshes[1].transmission = std::make_shared<const Transmission>(glm::vec3(0.1f, 0.2f, 0.6f));
+  split_lights(scene);
+  ASSERT_EQ(scene.lights.size(), 3u);
+  EXPECT_FALSE(has(describe_text("panes.toml", scene), "point."));
+  const Json lights = describe_json("panes.toml", scene)["lights"];
+  ASSERT_EQ(lights.size(), 1u);
+  EXPECT_EQ(lights[0]["name"], "point");
 }
 
 TEST(scene_transmission, meshes_without_it_are_described_as_before) {

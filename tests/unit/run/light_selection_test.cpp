@@ -4,6 +4,9 @@
 #include <gnomon/error.h>
 #include <gtest/gtest.h>
 
+#include "glass.h"
+#include "measure/scene/channels.h"
+
 namespace light_selection_test {
 
 using namespace gnomon;
@@ -89,6 +92,56 @@ TEST(light_words, a_row_has_a_bounded_number_of_lights_and_a_scene_may_have_more
   for (std::size_t k = 0; k <= most_lights; ++k) many.lights.push_back({.name = fmt::format("l{}", k), .kind = PointLight{}});
   EXPECT_EQ(rows({}, many).size(), most_lights + 1);
   EXPECT_EQ(refused({"all+"}, many), "lights all+ of scene four are 257; a row has at most 256 lights together");
+}
+
+// --- glass that colors the light
+
+/// Lights sun, lamp (a disc) and bulb, each in three channels.
+Scene colored() {
+  Scene scene;
+  scene.meshes = {glass::with_transmission(hand_made::square(1, 1), {0.9f, 0.2f, 0.1f})};
+  scene.lights = {{.name = "sun", .kind = DirectionalLight{}},
+                  {.name = "lamp", .kind = DiscLight{}},
+                  {.name = "bulb", .kind = PointLight{}}};
+  split_lights(scene);
+  return scene;
+}
+const std::string sun = "sun.red sun.green sun.blue", lamp = "lamp.red lamp.green lamp.blue",
+                  bulb = "bulb.red bulb.green bulb.blue";
+
+TEST(light_words, a_colored_light_is_its_three_channels_in_one_row) {
+  const Names each = {"sun: " + sun, "lamp: " + lamp, "bulb: " + bulb};
+  EXPECT_EQ(rows({"sun"}, colored()), (Names{each[0]}));
+  EXPECT_EQ(rows({}, colored()), each);
+  EXPECT_EQ(rows({"*"}, colored()), each);
+  EXPECT_EQ(rows({"*hard"}, colored()), (Names{each[0], each[2]}));
+  EXPECT_EQ(rows({"*soft"}, colored()), (Names{each[1]}));
+  EXPECT_EQ(rows({"*u*"}, colored()), (Names{each[0], each[2]})) << "red, green and blue are no part of the name";
+}
+
+TEST(light_words, one_channel_of_a_light_is_a_row_of_its_own) {
+  EXPECT_EQ(rows({"sun.green"}, colored()), (Names{"sun.green: sun.green"}));
+  EXPECT_EQ(rows({"sun", "sun.green"}, colored()), (Names{"sun: " + sun, "sun.green: sun.green"}));
+  EXPECT_EQ(rows({"*.blue"}, colored()), (Names{"sun.blue: sun.blue", "lamp.blue: lamp.blue", "bulb.blue: bulb.blue"}));
+  EXPECT_EQ(rows({"lamp.red+sun.red"}, colored()), (Names{"sun.red+lamp.red: sun.red lamp.red"}));
+}
+
+TEST(light_words, several_colored_lights_have_all_their_channels) {
+  EXPECT_EQ(rows({"lamp+sun"}, colored()), (Names{"sun+lamp: " + sun + ' ' + lamp}));
+  EXPECT_EQ(rows({"all+"}, colored()), (Names{"all+: " + sun + ' ' + lamp + ' ' + bulb}));
+  EXPECT_EQ(rows({"*hard+"}, colored()), (Names{"*hard+: " + sun + ' ' + bulb}));
+  EXPECT_EQ(rows({"*soft+"}, colored()), (Names{"lamp: " + lamp})) << "one light together is that light";
+  EXPECT_EQ(rows({"all+2"}, colored()), (Names{"all+2: " + sun + ' ' + lamp})) << "two lights are counted, not channels";
+  EXPECT_EQ(refused({"all+4"}, colored()), "lights all+4: 4 is outside 1 .. 3, which are there");
+}
+
+TEST(light_words, refusals_name_whole_lights) {
+  EXPECT_EQ(refused({"sum"}, colored()), "scene four has no light sum; did you mean sun? It has: sun, lamp, bulb");
+  EXPECT_EQ(refused({"x*"}, colored()), "scene four has no light whose name is like x*; it has: sun, lamp, bulb");
+  EXPECT_NE(refused({"sun.yellow"}, colored()).find("no light sun.yellow"), std::string::npos);
+  EXPECT_NE(refused({"sun+sun"}, colored()).find("is named twice; a row has each light once"), std::string::npos);
+  EXPECT_NE(refused({"sun+sun.red"}, colored()).find("light sun.red is named twice"), std::string::npos);
+  EXPECT_NE(refused({"sun.red"}).find("no light sun.red"), std::string::npos) << "a gray scene has no channels";
 }
 
 }  // namespace light_selection_test

@@ -1,4 +1,4 @@
-// The generated scenes whose casters let a part of the light through: glass_stack, smoke_cards, hair_cards.
+// The generated scenes whose casters let a part of the light through: glass_stack, smoke_cards, hair_cards, stained_window.
 #include <gnomon/kit/geometry/exact_scene.h>
 #include <gtest/gtest.h>
 
@@ -93,6 +93,37 @@ TEST(GlassScenes, hair_has_thick_strands_among_thin_ones) {
   EXPECT_GT(thick, 2);
   EXPECT_LT(thick, 16);
   for (const float t : streaks.values()) EXPECT_TRUE((t >= 0.1f && t <= 0.5f) || (t >= 0.85f && t <= 0.98f)) << t;
+}
+
+TEST(GlassScenes, a_stained_window_has_panes_between_lead_and_a_cloth_behind) {
+  const Scene scene = make("stained_window", "columns=3,rows=2,texels=5"), gray = make("stained_window", "colored=false");
+  EXPECT_TRUE(scene.has_colored_transmission());
+  EXPECT_TRUE(gray.has_transmission() && !gray.has_colored_transmission());
+  const Transmission& panes = *mesh(scene, "window").transmission;
+  EXPECT_EQ(panes.width(), 16);
+  EXPECT_EQ(panes.height(), 11);
+  int lead = 0;
+  for (int row = 0; row < panes.height(); ++row)
+    for (int column = 0; column < panes.width(); ++column) {
+      const glm::vec3 light = panes.at(column, row);
+      if (light == glm::vec3(0)) ++lead;
+      EXPECT_EQ(light, panes.at(column - column % 5 + (column % 5 ? 1 : 0), row - row % 5 + (row % 5 ? 1 : 0)))
+          << "one color a pane";
+    }
+  EXPECT_EQ(lead, 16 * 11 - 6 * 4 * 4) << "six panes of four by four texels";
+  // From the floor toward the sun through cloth and window: the product of both, channel by channel.
+  const glm::vec3 in_cloth{0.75f, 1.4f, 0.85f}, way{-0.25f, 0.9f, -0.75f};
+  const glm::dvec2 at_window = glm::dvec2(in_cloth) + glm::dvec2(way) * (0.85 / 0.75);
+  const Scene full = make("stained_window");
+  const Transmission& five = *mesh(full, "window").transmission;
+  const glm::vec3 pane = five.at(int((at_window.x + 1) / 2 * five.width()), int((at_window.y - 0.8) / 2.4 * five.height()));
+  const glm::vec3 floor = in_cloth - way * (1.4f / 0.9f);
+  ExactTally tally;
+  const Crossings::Product found =
+      ExactScene(full).transmitted({.point = {floor.x, 0, floor.z}}, glm::dvec4(way, 0), tally).light;
+  ASSERT_EQ(found.surfaces, 2);
+  const glm::vec3 product = pane * mesh(full, "cloth").transmission->at(0, 0);
+  for (int c = 0; c < 3; ++c) EXPECT_NEAR(found.share[c], product[c], 1e-7) << c;
 }
 
 }  // namespace glass_scenes_test

@@ -101,7 +101,7 @@ TEST(Scenes, every_mesh_is_finite_indexed_in_range_and_without_degenerate_triang
 
 TEST(Scenes, every_solid_is_closed) {
   // All that is neither a sheet by its shape nor soup nor cards has an inside.
-  const std::set<std::string_view> sheets{"soup", "leaves", "links", "smoke", "hair"};
+  const std::set<std::string_view> sheets{"soup", "leaves", "links", "smoke", "hair", "window", "cloth"};
   for_each_scene([&](const Scene& scene) {
     for (const Mesh& mesh : scene.meshes) {
       const std::string_view kind = mesh.shape ? kind_name(*mesh.shape) : "solid";

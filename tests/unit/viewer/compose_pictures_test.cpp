@@ -86,7 +86,7 @@ HandMadeFrame several_seen(std::mt19937& random, int width, int height) {
   seen.reference->lights = {bare(seen), second};
   put_together(*seen.reference);
   seen.answer->masks = {seen.answer->mask, other.answer->mask};
-  seen.answer->mask = shown_together(frame, frame.gbuffer, seen.answer->masks);
+  seen.answer->mask = shown_together(frame, frame.gbuffer, seen.answer->masks).mask;
   frame.received = received_light(frame.gbuffer, frame.lights[0]);
   const std::vector<double> more = received_light(frame.gbuffer, frame.lights[1]);
   for (std::size_t i = 0; i < more.size(); ++i) frame.received[i] += more[i];

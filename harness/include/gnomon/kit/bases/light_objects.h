@@ -4,7 +4,7 @@
 namespace gnomon {
 
 /// A technique as a renderer of several lights holds it: an object for each light. Where the technique can share what setup and
-/// build make (Technique::for_another_light), these two stages are done once, else by every object.
+/// build make (Technique::for_another_light), these two stages are done once for each scene, else by every object.
 class LightObjects {
  public:
   LightObjects(const TechniqueEntry& entry, const std::string& settings);
@@ -13,11 +13,13 @@ class LightObjects {
   LightObjects(const TechniqueEntry& entry, const std::string& settings, const Technique& elsewhere);
 
   /// One at least. Answers whether an object is new that needs stages of its own from setup on.
-  bool hold(std::size_t count);
-  std::size_t count() const { return (first_ ? 1 : 0) + others_.size(); }
-  Technique& operator[](std::size_t k) { return !first_ ? *others_[k] : k == 0 ? *first_ : *others_[k - 1]; }
-  /// Whether the objects for further lights share with the first; nothing while there is only one.
-  std::optional<bool> shares() const { return others_.empty() ? std::nullopt : std::optional(shares_); }
+  bool hold(std::size_t count) { return hold_by_scene(std::vector<std::size_t>(std::max<std::size_t>(count, 1), 0)); }
+  /// One for each, by the number of the scene that it is built on: only objects of one scene can share.
+  bool hold_by_scene(const std::vector<std::size_t>& scenes);
+  std::size_t count() const { return objects_.size(); }
+  Technique& operator[](std::size_t k) { return *objects_[k].technique; }
+  /// Whether the objects for further lights share with the first of their scene; nothing where each has a scene of its own.
+  std::optional<bool> shares() const;
 
   /// Sets what differs of the parameters, in every object. Answers the first stage that this spoils; nothing when nothing
   /// differs.
@@ -25,8 +27,8 @@ class LightObjects {
   /// Does a stage in every object, in the order of the lights: does(object, number).
   template <class Does>
   void each(Stage stage, const Does& does) {
-    const bool is_shared = stage <= Stage::build && shares_;
-    for (std::size_t k = 0; k < (is_shared ? (first_ ? 1 : 0) : count()); ++k) does((*this)[k], k);
+    for (std::size_t k = 0; k < count(); ++k)
+      if (stage > Stage::build || !objects_[k].shares) does((*this)[k], k);
   }
   /// What all objects counted, each count as it says (Count::Together).
   Counts counts() const;
@@ -34,12 +36,17 @@ class LightObjects {
  private:
   std::unique_ptr<Technique> fresh() const;
 
+  struct Object {
+    std::unique_ptr<Technique> technique;
+    std::size_t scene = 0;  ///< by number
+    bool is_first = true;   ///< of its scene
+    bool shares = false;    ///< what setup and build make, with the first
+  };
+
   const TechniqueEntry& entry_;
   std::string settings_;
-  std::unique_ptr<Technique> first_;  ///< null: it is elsewhere
-  const Technique* source_;           ///< the one that others share with
-  std::vector<std::unique_ptr<Technique>> others_;
-  bool shares_ = false;
+  const Technique* elsewhere_ = nullptr;  ///< the one that all share with
+  std::vector<Object> objects_;
 };
 
 /// What several lights together are, where each is what `supports` says: unsupported when all are; else one that is unsupported
