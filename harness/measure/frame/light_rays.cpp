@@ -62,22 +62,25 @@ LightRays::CasterHit LightRays::nearest(std::size_t i) const {
 
 double LightRays::farthest(std::size_t i) const {
   const glm::dvec3 point = gbuffer_.position(i), direction = toward_light(point);
-  const double distance = farthest_along(point, direction);
+  const double distance = to_farthest(point, direction, &RayScene::closest_caster);
   // The point's own surface, met within float32 rounding; along the ray of a pixel of class T that is at most 1 / 0.035 as
   // much.
   return distance <= rounding_ / 0.035 ? nearest(i).distance : distance;
 }
 
 double LightRays::farthest_along(const glm::dvec3& point, const glm::dvec3& direction) const {
+  return to_farthest(point, direction, &RayScene::closest);
+}
+
+double LightRays::to_farthest(const glm::dvec3& point, const glm::dvec3& direction, ClosestHit closest) const {
   const double length = light_.w != 0 ? glm::distance(glm::dvec3(light_), point) : beyond_everything(point);
-  return length - casters_.closest_caster(point + length * direction, -direction).t;
+  return length - (casters_.*closest)(point + length * direction, -direction).t;
 }
 
 LightRays::Surface LightRays::surface_at(const glm::dvec3& point, const glm::dvec3& direction) const {
   // Starting a little before the point, so that the surface that goes through it is met by the forward ray.
   const glm::dvec3 start = point - rounding_ * direction;
-  const RayScene::Hit forward = casters_.closest_caster(start, direction),
-                      backward = casters_.closest_caster(start, -direction);
+  const RayScene::Hit forward = casters_.closest(start, direction), backward = casters_.closest(start, -direction);
   const double ahead = std::abs(forward.t - rounding_), behind = backward.t + rounding_;
   const std::uint32_t mesh = ahead <= behind ? forward.mesh : backward.mesh;
   const bool is_shape = mesh != no_mesh && gbuffer_.truth == Truth::shape && scene_.meshes[mesh].has_curved_shape();

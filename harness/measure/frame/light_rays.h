@@ -12,7 +12,8 @@ std::array<glm::dvec3, 2> across(const glm::dvec3& axis);
 glm::dvec3 back_to_plane(const glm::dvec3& move, const glm::dvec3& ray, const glm::dvec3& n);
 
 /// What is between points and one light, for the causes of errors. Rays follow the ray recipe, except that the nearest and the
-/// farthest caster come from closest-hit rays. Texels that let all light through are no casters.
+/// farthest caster come from closest-hit rays. Texels that let all light through are no casters, but are among the surfaces
+/// that a map may have drawn.
 class LightRays {
  public:
   LightRays(const Scene& scene, const RayScene& casters, const GBuffer& gbuffer, const Light& light);
@@ -68,6 +69,8 @@ class LightRays {
   double farthest_along(const glm::dvec3& point, const glm::dvec3& to_light) const;
 
  private:
+  using ClosestHit = RayScene::Hit (RayScene::*)(const glm::dvec3&, const glm::dvec3&) const;
+  double to_farthest(const glm::dvec3& point, const glm::dvec3& to_light, ClosestHit closest) const;
   bool is_own(std::size_t i, const RayScene::Hit& hit, const glm::dvec3& direction) const;
 
   const Scene& scene_;
