@@ -19,12 +19,14 @@ namespace {
 
 constexpr double MiB = 1 << 20;
 
-/// Draws a few pixels: the driver frees the memory of a draw, and of deleted objects, at later draws.
+/// Draws a few pixels: the driver frees the memory of a draw, and of deleted objects, at later draws. A software driver holds
+/// as many draws as it once had under way, which a busy machine makes more: it never has more than these.
 void settle() {
+  constexpr int most_draws = 64;
   const StateGuard guard;
   static const Program* const program =  // never deleted: its compilation is no work of a draw
       new Program("settle", full_screen_vertex, "layout(location = 0) out float v; void main() { v = 1; }");
-  for (int k = 0; k < 8; ++k) {
+  for (int k = 0; k < most_draws; ++k) {
     const Texture texture(GL_R32F, 64, 64);
     const Framebuffer framebuffer = make_framebuffer();
     glNamedFramebufferTexture(framebuffer.name(), GL_COLOR_ATTACHMENT0, texture.name(), 0);
