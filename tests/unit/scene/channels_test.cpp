@@ -107,9 +107,9 @@ TEST(channels, a_scene_in_a_channel_has_that_channel_of_each_glass) {
     for (const std::size_t m : {1, 2, 3}) EXPECT_EQ(values(one.meshes[m]), textured[c]) << name(channel) << ' ' << m;
     EXPECT_EQ(values(one.meshes[4]), std::vector<float>{constant[c]}) << name(channel);
   }
-  const Transmission& green = *in_channel(scene, Channel::green).meshes[1].transmission;
-  EXPECT_EQ(green.wrap_u(), Transmission::Wrap::mirror);
-  EXPECT_EQ(green.wrap_v(), Transmission::Wrap::clamp);
+  const auto green = in_channel(scene, Channel::green).meshes[1].transmission;
+  EXPECT_EQ(green->wrap_u(), Transmission::Wrap::mirror);
+  EXPECT_EQ(green->wrap_v(), Transmission::Wrap::clamp);
 }
 
 TEST(channels, meshes_that_share_glass_share_it_in_a_channel) {
