@@ -77,6 +77,7 @@ struct SideState {
   std::shared_ptr<const Verdict> verdict;  ///< of `answer`, or of one before
   std::shared_ptr<const LayerPicture> layer;
   std::shared_ptr<const Explanation> explanation;      ///< of the picked pixel, for `answer`; null where there is none
+  std::shared_ptr<const DepthCurve> depth_curve;       ///< of the picked pixel, too; null of techniques that hold none
   std::optional<std::uint32_t> explained;              ///< the pixel of `explanation`
   std::shared_ptr<const SideAnswer> explained_answer;  ///< the answer that `explanation` is of
   std::array<std::optional<double>, 4> newest_ms;      ///< of each stage, the last time that it was done; by Stage

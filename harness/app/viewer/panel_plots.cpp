@@ -1,4 +1,4 @@
-// The plots in the magnifier's place: visibility along a line, and error against samples.
+// The plots in the magnifier's place: visibility along a line, error against samples, and the curve of a picked texel.
 #include <imgui.h>
 
 #include <algorithm>
@@ -62,6 +62,18 @@ void draw_sample_curve(const SampleCurve& curve) {
   }
   draw_plot({.title = "samples", .low = ends[0] / 1.3, .high = ends[1] * 1.3, .is_log = true},
             {.title = "mean error", .low = low / 1.5, .high = 1.5 * std::ranges::max(errors), .is_log = true}, curves);
+}
+
+void draw_depth_curve(const DepthCurve& curve, int side) {
+  const double at[] = {curve.receiver, curve.receiver}, all[] = {-1, 2};
+  const PlotCurve curves[] = {
+      {.name = "exact", .color = packed(reference_ink.casing), .x = curve.exact.depth, .y = curve.exact.share},
+      {.name = "texel", .color = packed(technique_inks[side].core), .x = curve.held.depth, .y = curve.held.share},
+      {.name = "receiver", .color = quiet_text, .x = at, .y = all, .is_thin = true}};
+  if (ImGui::BeginChild("depth curve", {0, 10 * ImGui::GetFontSize()}))
+    draw_plot({"meters along the texel's ray", curve.held.depth.front(), curve.held.depth.back()},
+              {"share of the light", -0.05, 1.05}, curves);
+  ImGui::EndChild();
 }
 
 }  // namespace gnomon::viewer

@@ -82,8 +82,7 @@ void draw_pixels(const PanelData& shown, float pixel) {
 
 void draw_facts(const PanelData& shown, const Session& session) {
   const SideState& side = shown.state.sides[shown.side];
-  const bool is_explained =
-      session.picked() && side.explanation && side.explained && side.explained == session.selection().picked;
+  const bool is_explained = session.picked() && side.explained && side.explained == session.selection().picked;
   const std::vector<PixelFact> facts =
       pixel_facts(shown.composition, shown.side, shown.pixel.x, shown.pixel.y, shown.state.reference.get(),
                   is_explained ? side.explanation.get() : nullptr);
@@ -91,6 +90,7 @@ void draw_facts(const PanelData& shown, const Session& session) {
       fmt::format("{}, pixel {} {}{}", side_name(shown.side), shown.pixel.x, shown.pixel.y, session.picked() ? ", picked" : ""),
       quiet_text);
   Widgets::tooltip("A click in the picture picks its pixel, Escape drops it.");
+  if (is_explained && side.depth_curve) draw_depth_curve(*side.depth_curve, shown.side);
   const auto draw_name = [](const PixelFact& fact) { Widgets::wrapped(fact.name, quiet_text); };
   // The meaning of a class is a tooltip only: who looks at many pixels has read it.
   const auto draw_value = [](const PixelFact& fact) {

@@ -50,6 +50,9 @@ void draw_profile(const PanelData& shown, const ProfileLine& line);
 /// Error against samples, both logarithmic, in the magnifier's place.
 void draw_sample_curve(const SampleCurve& curve);
 
+/// What the texel of the picked pixel holds and what is exact, over the depth along its ray; at the top of the facts.
+void draw_depth_curve(const DepthCurve& curve, int side);
+
 std::string title_of(const Session& session, int side);
 
 }  // namespace gnomon::viewer

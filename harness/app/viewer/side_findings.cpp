@@ -44,13 +44,18 @@ void SideLane::draw_layer(const std::shared_ptr<const SideAnswer>& answer, const
 
 void SideLane::explain_picked(const std::shared_ptr<const SideAnswer>& answer, std::optional<std::uint32_t> pixel) {
   std::shared_ptr<const Explanation> explanation;
+  std::shared_ptr<const DepthCurve> curve;
   if (pixel && *pixel < answer->mask.size()) {
     const std::uint32_t index[] = {*pixel};
-    const auto why = Call(*this, "explain")->explain(index, answer->frame->chosen())[0];
+    const std::size_t light = answer->frame->chosen();
+    const auto why = Call(*this, "explain")->explain(index, light)[0];
     if (why) explanation = std::make_shared<Explanation>(*why);
+    if (auto found = Call(*this, "explain")->depth_curve(*pixel, light))
+      curve = std::make_shared<DepthCurve>(std::move(*found));
   }
   change([&](SideState& s) {
     s.explanation = explanation;
+    s.depth_curve = curve;
     s.explained = pixel;
     s.explained_answer = answer;
     s.words = support_.why();

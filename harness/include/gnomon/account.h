@@ -53,6 +53,20 @@ struct Explanation {
   std::string cause = {};                 ///< id of the one of About::causes that holds here; empty: none of them
 };
 
+/// What part of a light is left along a ray: a point of a curve for each depth, in their order.
+struct SharesAlong {
+  std::vector<double> depth;  ///< meters along the ray, as Tap::stored
+  std::vector<double> share;  ///< as many, 0 .. 1
+};
+
+/// What a technique holds for the ray of the texel in which a pixel was looked up, from the near end of its image to the far
+/// one, and what is true of that ray. Of casters that let light through alone.
+struct DepthCurve {
+  SharesAlong held;     ///< as a look-up at each depth answers
+  SharesAlong exact;    ///< corners of a staircase: the product of the surfaces so far
+  double receiver = 0;  ///< depth at which the pixel was looked up, bias included
+};
+
 /// A color of a debug layer and its meaning, as its legend shows them.
 struct Swatch {
   std::string name;  ///< "5-8"

@@ -84,6 +84,16 @@ void main() {
 }
 )";
 
+/// A row of pixels is one place at depths 0 .. 1: column, row, layer, and how many steps.
+constexpr std::string_view curve_body = R"(
+uniform vec4 light_asked;
+layout(location = 0) out vec4 answer;
+void main() {
+  float t = (gl_FragCoord.x - 0.5) / light_asked.w;
+  answer = vec4(clamp(glass_share(light_asked.xy, light_asked.z, t), 0, 1), 0, 0, 0);
+}
+)";
+
 bool has_opaque_texels(const Mesh& mesh) {
   const Transmission& one = *mesh.transmission;
   return std::ranges::find(one.values(), 0.0f) != one.values().end();
@@ -157,15 +167,17 @@ Support GlassMap::glass_support(const Light& light, bool has_masks) const {
   return within_limits(needed);
 }
 
-Program GlassMap::look_up_program(LightProjection projection, bool has_glass, bool explains) const {
+Program GlassMap::look_up_program(LightProjection projection, bool has_glass, Purpose purpose) const {
+  constexpr std::string_view names[] = {"resolve", "explain", "curve"};
   const Method how = method();
   std::string constants = comparison_constants(projection);
   if (has_glass) constants += std::string(far_constants) + how.constants;
-  return pass_program(fmt::format("{} {}", id(), explains ? "explain" : "resolve"), constants,
-                      fmt::format("{}{}#define HAS_GLASS {:d}\n#define EXPLAINS {:d}\n#define GLASS_FILTER {:d}\n{}{}{}{}{}{}",
-                                  light_map_head(projection), comparison_head(comparison()), has_glass, explains, is_bilinear(),
-                                  gbuffer_snippet, light_map_snippet, comparison_snippet, has_glass ? far_snippet : "",
-                                  has_glass ? how.share : "", look_up_body));
+  return pass_program(
+      fmt::format("{} {}", id(), names[static_cast<int>(purpose)]), constants,
+      fmt::format("{}{}#define HAS_GLASS {:d}\n#define EXPLAINS {:d}\n#define GLASS_FILTER {:d}\n{}{}{}{}{}{}",
+                  light_map_head(projection), comparison_head(comparison()), has_glass, purpose == Purpose::explain,
+                  is_bilinear(), gbuffer_snippet, light_map_snippet, comparison_snippet, has_glass ? far_snippet : "",
+                  has_glass ? how.share : "", purpose == Purpose::curve ? curve_body : look_up_body));
 }
 
 void GlassMap::setup() {
@@ -174,7 +186,8 @@ void GlassMap::setup() {
   made_->glass_framebuffer = make_framebuffer();
   for (int i = 0; i < light_projection_count; ++i) {
     for (auto& programs : made_->explain_programs) programs[i].reset();
-    made_->resolve_programs[0][i] = look_up_program(LightProjection(i), false, false);
+    made_->curve_programs[i].reset();
+    made_->resolve_programs[0][i] = look_up_program(LightProjection(i), false, Purpose::resolve);
   }
   warm_up(*this);
   // A device may be too small for glass, and large enough for scenes without it.
@@ -184,7 +197,7 @@ void GlassMap::setup() {
   made_->opaque_programs =
       CasterPrograms("opaque texels of glass", opaque_vertex, fmt::format("{}{}", transmission_fragment_snippet, opaque_body));
   for (int i = 0; i < light_projection_count; ++i)
-    made_->resolve_programs[1][i] = look_up_program(LightProjection(i), true, false);
+    made_->resolve_programs[1][i] = look_up_program(LightProjection(i), true, Purpose::resolve);
   setup_glass();
   warm_up(*this, true);
 }

@@ -1,4 +1,4 @@
-// What a glass map answers when it is asked about a pixel.
+// What a glass map answers about single pixels: causes and debug layers.
 #include <gnomon/kit/maps/glass_map.h>
 #include <gnomon/kit/maps/light_layers.h>
 #include <gnomon/kit/parallel.h>
@@ -42,7 +42,7 @@ GlassMap::Place GlassMap::looked_up(std::size_t index) const {
   if (made_->read_look_ups.empty()) {
     const StateGuard guard;
     auto& program = made_->explain_programs[made_->has_glass][int(projection())];
-    if (!program) program = look_up_program(projection(), made_->has_glass, true);
+    if (!program) program = look_up_program(projection(), made_->has_glass, Purpose::explain);
     const Texture texels(GL_RGBA32F, gbuffer_->width, gbuffer_->height);
     look_up(*program, texels.name());
     made_->read_look_ups = read_texels<glm::vec4>(texels, GL_RGBA);
@@ -54,18 +54,28 @@ GlassMap::Place GlassMap::looked_up(std::size_t index) const {
   return {is_drawn ? &*image : nullptr, glm::dvec2(found), (found.w - 8 * layer) / 7, found.z};
 }
 
+std::vector<GlassTexel> GlassMap::texels_of(const Place& place) const {
+  std::vector<GlassTexel> texels;
+  for (const auto& [texel, weight] : comparison().filter.texels(place.texel))
+    if (weight > 0)
+      texels.push_back({{glm::clamp(texel, glm::ivec2(0), glm::ivec2(camera_.resolution - 1)), place.image->layer}, weight, 1});
+  return texels;
+}
+
 /// With the exact lists of the rays through the texels' centers, down to where the point was looked up.
 std::vector<GlassTexel> GlassMap::texels_at(const Place& place, const glm::dvec3& point, double bias) const {
-  std::vector<GlassTexel> texels;
-  const LightImage& image = *place.image;
-  const double z = image.seen(point).z - bias / image.stretch(point);
-  for (const auto& [texel, weight] : comparison().filter.texels(place.texel)) {
-    if (!(weight > 0)) continue;
-    const glm::ivec2 held = glm::clamp(texel, glm::ivec2(0), glm::ivec2(camera_.resolution - 1));
-    const Tap ray = image.tap(glm::dvec2(held) + 0.5, z, weight);
-    texels.push_back({{held, image.layer}, weight, share_before(made_->lists->along(ray.origin, ray.direction), ray.stored)});
+  std::vector<GlassTexel> texels = texels_of(place);
+  const double z = depth_at(*place.image, point, bias);
+  for (GlassTexel& texel : texels) {
+    const Tap ray = place.image->tap(glm::dvec2(texel.texel) + 0.5, z, texel.weight);
+    texel.share = share_before(made_->lists->along(ray.origin, ray.direction), ray.stored);
   }
   return texels;
+}
+
+Explanation GlassMap::why_at(const Place& place, std::size_t index) const {
+  return explain_comparison({camera_, *place.image, depths()}, comparison(), gbuffer_->position(index), gbuffer_->normal(index),
+                            place.texel);
 }
 
 void GlassMap::prepare_lists() const {
@@ -77,9 +87,7 @@ std::optional<Explanation> GlassMap::explain(std::size_t index) const {
   if (!faces_light(*made_->scene, *gbuffer_, light_, index)) return Explanation();
   const Place place = looked_up(index);
   if (!place.image) return Explanation();
-  const glm::vec3 point = gbuffer_->position(index);
-  Explanation why =
-      explain_comparison({camera_, *place.image, depths()}, comparison(), point, gbuffer_->normal(index), place.texel);
+  Explanation why = why_at(place, index);
   if (!made_->has_glass || !why.covered) return why;
   prepare_lists();
   ExactTally tally;
@@ -87,7 +95,7 @@ std::optional<Explanation> GlassMap::explain(std::size_t index) const {
   const Reading reading{.truth = made_->exact->transmitted(receiver, homogeneous(light_), tally).light.share.x,
                         .opaque = place.opaque,
                         .share = place.share,
-                        .texels = texels_at(place, point, why.bias)};
+                        .texels = texels_at(place, gbuffer_->position(index), why.bias)};
   if (!reading.is_right(reading.share)) why.cause = glass_cause(reading);
   return why;
 }
@@ -120,7 +128,7 @@ std::vector<float> GlassMap::draw_debug(std::string_view layer) const {
 }
 
 void GlassMap::each_looked_up(const std::function<void(std::size_t, const Place&)>& visit) const {
-  looked_up(0);  // reads what the threads ask for
+  looked_up(0);  // reads back what the threads use
   depths();
   for_blocks(gbuffer_->size(), 1024, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
@@ -144,10 +152,8 @@ std::vector<float> GlassMap::draw_curve_errors() const {
   if (!made_->has_glass) return heat_layer(*gbuffer_, per_cent);
   prepare_lists();
   each_looked_up([&](std::size_t i, const Place& place) {
-    const glm::vec3 point = gbuffer_->position(i);
-    const Explanation why =
-        explain_comparison({camera_, *place.image, depths()}, comparison(), point, gbuffer_->normal(i), place.texel);
-    const Reading reading{.truth = 0, .opaque = 1, .share = place.share, .texels = texels_at(place, point, why.bias)};
+    const std::vector<GlassTexel> texels = texels_at(place, gbuffer_->position(i), why_at(place, i).bias);
+    const Reading reading{.truth = 0, .opaque = 1, .share = place.share, .texels = texels};
     const double exact = filters_absorbance() ? reading.exact_absorbance_share() : reading.exact_share();
     const auto off = static_cast<float>(100 * std::abs(place.share - exact));
     per_cent[i] = off < 0.5f ? 0 : off;

@@ -202,6 +202,23 @@ void for_each_field(MaybeConst<ExplainRequest> auto& r, const auto& use) {
 }
 void for_each_field(MaybeConst<ExplainRequest::Reply> auto& r, const auto& use) { use("explained", r.explained); }
 
+void for_each_field(MaybeConst<SharesAlong> auto& r, const auto& use) { use("depth", r.depth, "share", r.share); }
+void for_each_field(MaybeConst<DepthCurve> auto& r, const auto& use) {
+  use("held", r.held, "exact", r.exact, "receiver", r.receiver);
+}
+
+/// Technique::depth_curve.
+struct DepthCurveRequest {
+  static constexpr const char* verb = "depth_curve";
+  std::uint32_t pixel = 0;
+  std::size_t light = 0;
+  struct Reply {
+    std::optional<DepthCurve> curve = {};
+  };
+};
+void for_each_field(MaybeConst<DepthCurveRequest> auto& r, const auto& use) { use("pixel", r.pixel, "light", r.light); }
+void for_each_field(MaybeConst<DepthCurveRequest::Reply> auto& r, const auto& use) { use("curve", r.curve); }
+
 struct DebugRequest {
   static constexpr const char* verb = "debug";
   std::string layer, out;  ///< out: three floats a pixel

@@ -5,6 +5,7 @@
 #include "measure/scene/channels.h"
 #include "measure/scene/motion.h"
 #include "measure/scene/names.h"
+#include "measure/worker/shared_count.h"
 
 namespace gnomon {
 
@@ -42,6 +43,29 @@ RequestedFrame requested_frame(const GoRequest& request, const Scene& scene) {
   requested.key.view = view_at(path, requested.key.view, request.frame);
   if (path.moves == Path::Moves::light) requested.lit_by += fmt::format(" {} {}", request.path, request.frame);
   return requested;
+}
+
+Done RequestedTraces::make(const TraceRequest& request) {
+  if (!tracer_) {
+    scene_ = scene_in(request.scene);
+    tracer_.emplace(scene_);
+  }
+  const Scene holder = scene_in(request.light_and_view);
+  check_size(request.width, request.height);
+  if (!(request.error >= 1e-6)) throw Error("a reference's error = {} is below 1e-6", request.error);
+  SharedCount done(request.done);
+  MissingFrame missing{
+      .scene_file = {},
+      .key = {.view = holder.views.at(0), .width = request.width, .height = request.height, .truth = request.truth},
+      .light = {},
+      .gbuffer_file = request.gbuffer,
+      .target = {.error = request.error, .cap = request.cap},
+      .subpixel_bits = request.subpixel_bits,
+      .global_samples = request.global_samples,
+      .done = &done.value()};
+  if (!holder.lights.empty()) missing.light = holder.lights[0];
+  write_file(request.out, tracer_->make(missing));
+  return {};
 }
 
 Support support_of_row(const std::vector<Light>& lights, const std::vector<Support>& supports) {

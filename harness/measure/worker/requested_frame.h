@@ -21,4 +21,16 @@ Support support_of_row(const std::vector<Light>& lights, const std::vector<Suppo
 /// The scene in a file of scene_bytes.
 Scene scene_in(const std::string& file);
 
+/// References that a worker makes instead of serving a technique; all requests are of one scene.
+class RequestedTraces {
+ public:
+  bool is_empty() const { return !tracer_; }
+  /// Throws Error, or what containers throw, on a request that makes no sense.
+  Done make(const TraceRequest& request);
+
+ private:
+  Scene scene_;
+  std::optional<FrameTracer> tracer_;
+};
+
 }  // namespace gnomon

@@ -189,6 +189,16 @@ std::vector<std::optional<Explanation>> WorkerClient::explain(std::span<const st
   return result;
 }
 
+std::optional<DepthCurve> WorkerClient::depth_curve(std::uint32_t pixel, std::size_t light) {
+  bring_up(Stage::resolve);
+  std::optional<DepthCurve> curve = process_.ask(DepthCurveRequest{pixel, light}, timeout_seconds_).curve;
+  if (curve)
+    for (const SharesAlong* const one : {&curve->held, &curve->exact})
+      if (one->depth.empty() || one->depth.size() != one->share.size())
+        process_.fail(fmt::format("a curve of {} shares at {} depths came", one->share.size(), one->depth.size()));
+  return curve;
+}
+
 std::vector<float> WorkerClient::debug_layer(const std::string& layer, std::size_t light) {
   bring_up(Stage::resolve);
   process_.ask(DebugRequest{layer, file("layer").string(), light}, timeout_seconds_);

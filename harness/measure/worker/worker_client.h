@@ -106,6 +106,8 @@ class WorkerClient {
   /// The technique's explanations of pixels of the last answer under one of the frame's lights, one for each; nothing where it
   /// has none.
   std::vector<std::optional<Explanation>> explain(std::span<const std::uint32_t> pixels, std::size_t light = 0);
+  /// Technique::depth_curve of a pixel under one of the frame's lights; each of its curves has a share for each depth.
+  std::optional<DepthCurve> depth_curve(std::uint32_t pixel, std::size_t light = 0);
   /// Three linear floats a pixel of the frame.
   std::vector<float> debug_layer(const std::string& name, std::size_t light = 0);
   /// Technique::global_picture under one of the frame's lights, its size and values checked.

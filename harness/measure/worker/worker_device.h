@@ -53,6 +53,9 @@ class StagedInputs {
     if (!was_there) forget_scene(scene);
     return outcome;
   }
+  void forget(const std::set<const Scene*>& scenes) {
+    for (const Scene* const scene : scenes) forget_scene(*scene);
+  }
   void end_stage() { staged_ += uploaded_scene_bytes() - before_; }
 
   GlInputs facts(const std::set<const Scene*>& scenes, const GBuffer& gbuffer) const {

@@ -33,7 +33,10 @@ class TechniqueServer {
       return ProtocolRequest::Reply{.protocol = worker_protocol, .context = program_context()};
     });
     answers_.on<OpenRequest>([this](const auto& request) { return open(request); });
-    answers_.on<TraceRequest>([this](const auto& request) { return trace(request); });
+    answers_.on<TraceRequest>([this](const auto& request) {
+      if (objects_) throw Error("a worker that serves a technique does not trace");
+      return traces_.make(request);
+    });
     answer_roll(answers_);
     on<SetRequest>([this](const auto& request) { return set(request.settings); });
     on<GoRequest>([this](const auto& request) { return frame(request); });
@@ -45,6 +48,7 @@ class TechniqueServer {
     on<AnswerRequest>([this](const auto& request) { return answer(request.mask); });
     on<MaskRequest>([this](const auto& request) { return write_mask(request.mask); });
     on<ExplainRequest>([this](const auto& request) { return explain(request); });
+    on<DepthCurveRequest>([this](const auto& request) { return depth_curve(request); });
     on<DebugRequest>([this](const auto& request) { return debug(request); });
     on<GlobalRequest>([this](const auto& request) { return global(request); });
     on<DetailRequest>([this](const auto& request) { return detail(request); });
@@ -63,15 +67,13 @@ class TechniqueServer {
   }
 
   OpenRequest::Reply open(const OpenRequest& request) {
-    if (tracer_) throw Error("a worker that traces serves no technique");
+    if (!traces_.is_empty()) throw Error("a worker that traces serves no technique");
+    forget_frame();
     scene_ = scene_in(request.scene);
     channels_.emplace(scene_);
     entry_ = &registry().technique(request.technique);
     objects_.emplace(*entry_, request.settings);
     settings_ = request.settings;
-    fresh_ = -1;
-    masks_.clear();
-    lights_.reset();
     watch_progress(nullptr);
     progress_.emplace(request.progress);
     watch_progress(&progress_->value());
@@ -84,6 +86,19 @@ class TechniqueServer {
                      .version = info.version,
                      .subpixel_bits = static_cast<int>(gl_limits()->subpixel_bits),
                      .card = card_json(info)}};
+  }
+
+  /// All that is of the scene before.
+  void forget_frame() {
+    if (uses_gl_) inputs_.forget(scenes());
+    fresh_ = -1;
+    masks_.clear();
+    lit_.clear();
+    lit_by_.clear();
+    lights_.reset();
+    gbuffers_.clear();
+    gbuffer_ = {};
+    bare_pass_.reset();
   }
 
   /// What a parameter spoils is out of date from then on; the rest stays.
@@ -137,31 +152,6 @@ class TechniqueServer {
     // What a technique supports may depend on the view: an object then belongs to another light, or is new.
     if (lit_ != before) fresh_ = std::min(fresh_, static_cast<int>(Stage::build));
     return supports;
-  }
-
-  /// Serves the reference instead of a technique; all requests are of one scene.
-  Done trace(const TraceRequest& request) {
-    if (objects_) throw Error("a worker that serves a technique does not trace");
-    if (!tracer_) {
-      scene_ = scene_in(request.scene);
-      tracer_.emplace(scene_);
-    }
-    const Scene holder = scene_in(request.light_and_view);
-    check_size(request.width, request.height);
-    if (!(request.error >= 1e-6)) throw Error("a reference's error = {} is below 1e-6", request.error);
-    SharedCount done(request.done);
-    MissingFrame missing{
-        .scene_file = {},
-        .key = {.view = holder.views.at(0), .width = request.width, .height = request.height, .truth = request.truth},
-        .light = {},
-        .gbuffer_file = request.gbuffer,
-        .target = {.error = request.error, .cap = request.cap},
-        .subpixel_bits = request.subpixel_bits,
-        .global_samples = request.global_samples,
-        .done = &done.value()};
-    if (!holder.lights.empty()) missing.light = holder.lights[0];
-    write_file(request.out, tracer_->make(missing));
-    return {};
   }
 
   TimeRequest::Reply time_stage(const TimeRequest& request) {
@@ -264,8 +254,7 @@ class TechniqueServer {
     const auto file = MappedFile::open(request.pixels);
     const std::span pixels(reinterpret_cast<const std::uint32_t*>(file->bytes().data()),
                            file->bytes().size() / sizeof(std::uint32_t));
-    for (const std::uint32_t pixel : pixels)
-      if (pixel >= gbuffer_.size()) throw Error("there is no pixel {}: the picture has {}", pixel, gbuffer_.size());
+    for (const std::uint32_t pixel : pixels) require_pixel(pixel);
     const Explanation not_covered{.covered = false, .taps = {}, .shifted = {}, .element = {}};
     const auto explanations =
         technique ? explain_all(*technique, pixels) : std::vector<std::optional<Explanation>>(pixels.size(), not_covered);
@@ -273,6 +262,13 @@ class TechniqueServer {
       throw Error("{} explanations came for {} pixels", explanations.size(), pixels.size());
     write_file(request.out, explanation_bytes(explanations));
     return {std::ranges::any_of(explanations, [](const auto& why) { return why.has_value(); })};
+  }
+
+  DepthCurveRequest::Reply depth_curve(const DepthCurveRequest& request) {
+    bring_up(Stage::resolve);
+    require_pixel(request.pixel);
+    const Technique* const technique = object_of(request.light);
+    return {technique ? technique->depth_curve(request.pixel) : std::nullopt};
   }
 
   Done debug(const DebugRequest& request) {
@@ -309,6 +305,9 @@ class TechniqueServer {
     return *object;
   }
 
+  void require_pixel(std::uint32_t pixel) const {
+    if (pixel >= gbuffer_.size()) throw Error("there is no pixel {}: the picture has {}", pixel, gbuffer_.size());
+  }
   /// Those that objects are built on; before there is a frame the scene itself.
   std::set<const Scene*> scenes() {
     std::set<const Scene*> scenes;
@@ -332,7 +331,7 @@ class TechniqueServer {
   std::map<std::string, GBuffer> gbuffers_;     ///< by file: one for each view and truth
   GBuffer gbuffer_;
   std::optional<TimedBarePass> bare_pass_;  ///< of the frame
-  std::optional<FrameTracer> tracer_;
+  RequestedTraces traces_;
   int fresh_ = -1;       ///< last stage that is up to date
   StagedInputs inputs_;  ///< with GL
 };

@@ -327,6 +327,24 @@ TEST(viewer_engine, draws_layers_and_explains_the_picked_pixel) {
   EXPECT_FALSE(bare.sides[0].explanation);
 }
 
+TEST(viewer_engine, a_picked_pixel_behind_glass_has_the_curve_of_its_texel) {
+  Rig rig;
+  rig.open("glass_stack");
+  rig.selection.sides[0] = {.technique = "transmittance_map", .settings = "resolution=256", .layer = ""};
+  const std::vector<float> mask = rig.finish().sides[0].answer->mask;
+  const auto shaded = std::ranges::find_if(mask, [](float v) { return v > 0.05f && v < 0.95f; });
+  ASSERT_NE(shaded, mask.end());
+  rig.selection.picked = static_cast<std::uint32_t>(shaded - mask.begin());
+  const EngineState state = rig.finish();
+  EXPECT_EQ(state.sides[0].explained, rig.selection.picked);
+  ASSERT_TRUE(state.sides[0].depth_curve);
+  EXPECT_EQ(state.sides[0].depth_curve->exact.share.front(), 1);
+  EXPECT_LT(state.sides[0].depth_curve->exact.share.back(), 1);
+  EXPECT_FALSE(state.sides[1].depth_curve) << "rays hold no curve";
+  rig.selection.picked.reset();
+  EXPECT_FALSE(rig.finish().sides[0].depth_curve);
+}
+
 // Of a stage that takes long, of a technique that tells, the share that is done grows while it lasts.
 TEST(viewer_engine, tells_how_far_a_long_stage_has_come) {
   Rig rig;

@@ -106,6 +106,35 @@ TEST_F(OwnWorker, a_technique_without_samples_explains_nothing) {
   EXPECT_FALSE(explanations[0] || explanations[1] || explanations[2]);
 }
 
+// At the depth where it was looked up a curve has the mask's answer: no caster is opaque where that is between 0 and 1.
+TEST_F(OwnWorker, gives_the_depth_curve_of_a_texel_of_glass) {
+  const Scene glass = load_scene("glass_stack");
+  FrameStore store{glass, folder.path() / "glass"};
+  const FrameKey key{.view = glass.views[0], .width = 80, .height = 45, .truth = Truth::mesh};
+  const FrameRequest seen{.gbuffer_file = store.gbuffer_file(key),
+                          .width = key.width,
+                          .height = key.height,
+                          .truth = key.truth,
+                          .seen = SceneLightAndView{}};
+  for (const char* technique : {"transmittance_map", "shadow_map", "embree_rays"}) {
+    WorkerClient client = worker(technique);
+    client.load({.scene_file = store.scene_file(), .technique = technique, .settings = ""});
+    ASSERT_TRUE(client.frame(seen).support);
+    const std::vector<float> mask = client.mask();
+    const bool holds_curves = technique == std::string_view("transmittance_map");
+    const auto shaded = std::ranges::find_if(mask, [&](float v) { return !holds_curves || (v > 0.05f && v < 0.95f); });
+    ASSERT_NE(shaded, mask.end());
+    const auto curve = client.depth_curve(static_cast<std::uint32_t>(shaded - mask.begin()));
+    EXPECT_EQ(curve.has_value(), holds_curves) << technique;
+    if (!curve) continue;
+    const auto behind = std::ranges::lower_bound(curve->held.depth, curve->receiver);
+    ASSERT_NE(behind, curve->held.depth.end());
+    EXPECT_NEAR(curve->held.share[static_cast<std::size_t>(behind - curve->held.depth.begin())], *shaded, 1e-6);
+    EXPECT_EQ(curve->exact.share.front(), 1);
+    EXPECT_THROW(client.depth_curve(pixel_count), WorkerFailure) << "no such pixel";
+  }
+}
+
 TEST_F(OwnWorker, gives_surface_detail_once_light_is_there) {
   WorkerClient client = worker("tree");
   client.load(request("svbsp"));

@@ -230,4 +230,33 @@ TEST_F(ScriptedWorker, a_mask_of_the_wrong_size_or_value_is_a_failure) {
   }
 }
 
+TEST_F(ScriptedWorker, a_depth_curve_comes_as_it_was_or_is_a_failure) {
+  DepthCurveRequest::Reply reply{.curve = DepthCurve{.held = {.depth = {1, 2.5}, .share = {1, 0.5}},
+                                                     .exact = {.depth = {1, 1.75, 1.75, 2.5}, .share = {1, 1, 0.25, 0.25}},
+                                                     .receiver = 0.1}};
+  const std::string frame =
+      "hear\nsay "
+      "'{\"support\":{\"support\":\"full\",\"why\":\"\"},\"fresh\":4,\"lights\":[{\"support\":\"full\",\"why\":\"\"}],"
+      "\"floor\":\"\"}'\nhear\nsay '";
+  const auto asked = [&](const std::string& answer) {
+    WorkerClient worker = loaded(frame + answer + "'\nhear\n");
+    worker.load(anything);
+    worker.frame(small_frame());
+    return worker.depth_curve(3);
+  };
+  const std::optional<DepthCurve> curve = asked(json_text(written(reply)));
+  ASSERT_TRUE(curve);
+  EXPECT_EQ(curve->held.depth, reply.curve->held.depth);
+  EXPECT_EQ(curve->held.share, reply.curve->held.share);
+  EXPECT_EQ(curve->exact.depth, reply.curve->exact.depth);
+  EXPECT_EQ(curve->exact.share, reply.curve->exact.share);
+  EXPECT_EQ(curve->receiver, 0.1);
+  EXPECT_NE(requests().find("{\"do\":\"depth_curve\",\"pixel\":3,\"light\":0}"), std::string::npos) << requests();
+  EXPECT_FALSE(asked("{\"curve\":null}"));
+  reply.curve->exact.share.pop_back();
+  EXPECT_NE(reason([&] { asked(json_text(written(reply))); }).find("a curve of 3 shares at 4 depths came"), std::string::npos);
+  reply.curve->exact.share.push_back(NAN);
+  EXPECT_NE(reason([&] { asked(json_text(written(reply))); }).find("exact.share = null is not a number"), std::string::npos);
+}
+
 }  // namespace worker_client_test

@@ -58,6 +58,7 @@ class GlassMap : public Technique {
   void resolve(const GBuffer& gbuffer, VisibilityMask& mask) override;
   Counts counts() const override;
   std::optional<Explanation> explain(std::size_t index) const override;
+  std::optional<DepthCurve> depth_curve(std::size_t index) const override;
   std::vector<DebugLayer> debug_layers() const override;
   std::vector<float> draw_debug(std::string_view layer) const override;
 
@@ -110,7 +111,7 @@ class GlassMap : public Technique {
   };
   /// Whether the filter averages absorbance, so that the share is its exponential.
   virtual bool filters_absorbance() const { return false; }
-  /// One of About::causes, or nothing; asked where the answer is wrong. By default, where exact lists of the same texels with
+  /// One of About::causes, or nothing; called where the answer is wrong. By default, where exact lists of the same texels with
   /// filtered shares would be right: `filtered_absorbance` where those with filtered absorbance would not, else `curve`.
   virtual std::string_view glass_cause(const Reading& reading) const;
 
@@ -127,6 +128,7 @@ class GlassMap : public Technique {
     CasterPrograms glass_programs, opaque_programs;
     std::array<std::array<Program, light_projection_count>, 2> resolve_programs;  // without and with glass
     std::array<std::array<std::optional<Program>, light_projection_count>, 2> explain_programs;
+    std::array<std::optional<Program>, light_projection_count> curve_programs;  // with glass
     Framebuffer framebuffer, glass_framebuffer;
     const Scene* scene = nullptr;
     MeshBoxes boxes;             // glass casts
@@ -150,7 +152,9 @@ class GlassMap : public Technique {
   MapComparison comparison() const;
   /// Of a scene with glass, and with alpha masks or without.
   Support glass_support(const Light& light, bool has_masks) const;
-  Program look_up_program(LightProjection projection, bool has_glass, bool explains) const;
+  /// What a program of the look-up is for: the mask, what explains a pixel, or one place at many depths.
+  enum class Purpose { resolve, explain, curve };
+  Program look_up_program(LightProjection projection, bool has_glass, Purpose purpose) const;
   void look_up(const Program& program, unsigned target) const;
   void draw_all_glass();
   void draw_opaque_texels();
@@ -162,7 +166,16 @@ class GlassMap : public Technique {
     double opaque, share;
   };
   Place looked_up(std::size_t index) const;
+  Explanation why_at(const Place& place, std::size_t index) const;
+  /// Along the image's axis, where a point was looked up.
+  static double depth_at(const LightImage& image, const glm::dvec3& point, double bias) {
+    return image.seen(point).z - bias / image.stretch(point);
+  }
+  /// The texels that a look-up reads, without their share.
+  std::vector<GlassTexel> texels_of(const Place& place) const;
   std::vector<GlassTexel> texels_at(const Place& place, const glm::dvec3& point, double bias) const;
+  std::vector<float> held_shares(const Place& place, int count) const;
+  SharesAlong exact_shares(const Place& place) const;
   void prepare_lists() const;
   std::vector<float> draw_curve_errors() const;
   /// Calls visit(pixel, place) on all threads for the pixels of the last resolve that were looked up on an image.
