@@ -47,7 +47,8 @@ class AveragedHard final : public Technique {
       InnerTechnique(this, "of", "svbsp", Stage::setup,
                      "The hard technique, one of those that know lights without area; its own parameters follow, as of.NAME.",
                      cannot_be_averaged);
-  Number<int> samples{this, "samples", 8, {"point", 1, 1024, true}, Stage::relight, "Points of the light that a pixel asks."};
+  Number<int> samples{
+      this, "samples", 8, {"point", 1, 1024, true}, Stage::relight, "Points of the light that a pixel averages."};
   Choice pattern =
       Choice(this, "pattern", "low_discrepancy", pattern_names(), Stage::relight,
              "Where they lie: anywhere; one in each of as many cells; a sequence that fills the light evenly; sixteen such "

@@ -54,7 +54,7 @@ Bounds box_of(const LightShape& light) {
 
 class SoftVolume final : public AreaPointTechnique<Casters, PointQuery, Tally> {
  public:
-  Number<int> samples{this, "samples", 64, {"place", 1, 4096, true}, Stage::resolve, "Places of the light that a point asks."};
+  Number<int> samples{this, "samples", 64, {"place", 1, 4096, true}, Stage::resolve, "Places of the light that a point tests."};
   Choice pattern =
       Choice(this, "pattern", "low_discrepancy", pattern_names(), Stage::resolve,
              "Where they are, as in area_rays: anywhere; one in each of as many cells; a sequence that fills the light "

@@ -208,7 +208,7 @@ class StencilVolume final : public VolumeTechnique {
 
  private:
   /// Its pieces are drawn from the eye, too: light caps tie with nothing else.
-  CutMasks cut(const Scene& scene) const { return masks.cut(scene, CutMasks::Shown::pieces); }
+  CutMasks cut(const Scene& scene) const { return masks.cut(scene, CutMasks::Drawn::pieces); }
   /// Of a scene without holes.
   Support supports_polygons(const Scene& scene, const Light& light, const View& view) const {
     GlLimits needed = FaceDrawer::needs(scene);

@@ -38,11 +38,11 @@ constexpr About about{
 
 constexpr int row_count = 256;  // of what the window shows: its hull is exact to a row
 
-/// What an image's window shows.
-struct Shown {
+/// The points of the view in an image's window.
+struct WindowPoints {
   warped_map::Rows rows;
   warped_map::Span depths{};  ///< from the eye, meters
-  void add(const Shown& other) {
+  void add(const WindowPoints& other) {
     rows.add(other.rows);
     depths.add(other.depths);
   }
@@ -115,16 +115,16 @@ class WarpedMap final : public ComparedMap {
     // Of the points those where something may cast: in the window, which rounding must not take the outermost out of.
     const glm::dvec2 low = image.window_of(glm::dvec2(margin)), high = image.window_of(glm::dvec2(image_resolution() - margin));
     const glm::dvec2 slack = 0.5 / image.scale;
-    const Shown shown =
-        over(points, Shown{warped_map::Rows(low.y, high.y, row_count)}, [&](Shown& found, const glm::dvec3& point) {
+    const WindowPoints points_in = over(
+        points, WindowPoints{warped_map::Rows(low.y, high.y, row_count)}, [&](WindowPoints& found, const glm::dvec3& point) {
           const glm::dvec2 window = face.place_of(point), inside = glm::clamp(window, low, high);
           if (glm::any(glm::greaterThan(glm::abs(window - inside), slack))) return;
           found.rows.add(inside);
           found.depths.add(glm::dot(axis, point - eye));
         });
     const double length = high.y - low.y;
-    if (const auto corners = shown.rows.corners(); !corners.empty() && length > 0)
-      warped_map::warp(image, corners, distance(image, shown.depths, sine, length), image_resolution(), margin);
+    if (const auto corners = points_in.rows.corners(); !corners.empty() && length > 0)
+      warped_map::warp(image, corners, distance(image, points_in.depths, sine, length), image_resolution(), margin);
     return camera;
   }
   LightImages images() const override { return LightImages::warped; }

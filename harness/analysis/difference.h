@@ -55,7 +55,7 @@ struct Judgements {
 double load_slack(double base_load, double contender_load, double cores);
 
 /// Judges all differences of two runs at once. Each is tested against the floor, not against zero (McCarthy and Smyth 2009),
-/// with a variance drawn toward the typical one (Smyth 2004) and widened by what runs of the same program differ by at
+/// with a variance shrunk toward the typical one (Smyth 2004) and widened by what runs of the same program differ by at
 /// different times. That is read off the spread of the differences themselves about the median of their kind: most rows are
 /// taken to be the same program. Side by side it starts from nothing; at different times from 10 %, as if seen on five rows.
 /// Same differences, same judgement.

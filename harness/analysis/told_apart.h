@@ -31,7 +31,7 @@ struct Contrast {
 };
 
 /// Which of these differences are real, with a rate of false calls of 5 % over them all (Benjamini and Hochberg 1995):
-/// Student's t of each (Welch 1947), with variances drawn toward the typical one (Smyth 2004), its tail times `among`, because
+/// Student's t of each (Welch 1947), with variances shrunk toward the typical one (Smyth 2004), its tail times `among`, because
 /// the least of many equal times is less than they are by chance alone.
 std::vector<bool> told_apart(std::span<const Contrast> contrasts);
 

@@ -79,7 +79,7 @@ Json check_json(const std::string& technique, std::span<const Judged> judged) {
 }
 
 std::string list_text(std::span<const Rule> rules, std::size_t width) {
-  TextTable table({{"rule", ""}, {"asked of", ""}, {"what a technique must do", ""}});
+  TextTable table({{"rule", ""}, {"applies to", ""}, {"what a technique must do", ""}});
   for (const Rule& rule : rules)
     table.add_row({std::string(rule.name), std::string(name(rule.applies_to)), std::string(rule.sentence)});
   return table.text(width);
@@ -97,18 +97,17 @@ std::string rules_page() {
   std::string page = generated_header("harness/measure/conformance/rules_*.cpp");
   page += "# Conformance\n\n";
   page += fmt::format(
-      "What every technique must do, wherever it lives: {} rules. `gnomon check ID` asks a technique all of them, each in a "
-      "process of its\n"
-      "own, so that a crash or a hang costs one rule; `gnomon --plugin ./mine.so check ID` asks one of a plugin. `--rule NAME` "
-      "asks some of\n"
-      "them, `--timeout S` gives each so many seconds, `--json` is for programs. It exits with 0 when all rules hold that "
-      "apply, with 1\n"
-      "when one fails. `ctest -L conformance` asks every rule of every technique of this tree.\n\n"
-      "Scenes and lights are small and always the same; a finding names scene, light, settings and the first pixel, counted "
-      "from the\n"
-      "upper left, with the size of its picture.\n\n",
+      R"(What every technique must do, wherever it lives: {} rules. `gnomon check ID` tests a technique by all of them, each in a
+process of its own, so that a crash or a hang costs one rule. `gnomon --plugin ./mine.so check ID` tests one of a plugin.
+`--rule NAME` chooses rules, `--timeout S` gives each so many seconds, `--json` is for programs. The exit status is 0 when all
+rules hold that apply, 1 when one fails. `ctest -L conformance` tests every technique of this tree by every rule.
+
+Scenes and lights are small and always the same. A finding names scene, light, settings and the first pixel, counted from the
+upper left, with the size of its picture.
+
+)",
       rules().size());
-  page += "| rule | asked of | what a technique must do |\n| --- | --- | --- |\n";
+  page += "| rule | applies to | what a technique must do |\n| --- | --- | --- |\n";
   for (const Rule& rule : rules())
     page += fmt::format("| [{0}](#{0}) | {1} | {2} |\n", rule.name, name(rule.applies_to), markdown_text(rule.sentence));
   page += "\n## When a rule fails\n";

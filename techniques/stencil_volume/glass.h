@@ -10,7 +10,7 @@
 namespace stencil_volume {
 
 // Casters with transmission. What n surfaces that each let the share t through leave is t^n, and a stencil can count to n: the
-// casters of one t are a group with a count of its own. Opaque casters are a group, too, whose count is only asked for zero.
+// casters of one t are a group with a count of its own. Opaque casters are a group, too, whose count is only compared with 0.
 // The triangles of glass have no inside: all of them count, and an edge of the outline starts as many sides as layers end
 // there.
 

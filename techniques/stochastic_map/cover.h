@@ -6,8 +6,8 @@
 //
 // A triangle that lets t through covers each of the S samples with probability 1 - t. Why the share of samples that nothing
 // covers has the product of all t as its mean: a sample is free with probability t of one triangle, and, because each triangle
-// has a hash of its own, with the product of all t of several; the mean of S such samples is that product. How the samples of
-// *one* triangle depend on each other is of no account for the mean, so they may be stratified: the triangle covers
+// has a hash of its own, with the product of all t of several; the mean of S such samples is that product. The samples of *one*
+// triangle may depend on each other, for the mean does not change with that. So they are stratified: the triangle covers
 // (1 - t) S of them, rounded up or down at random, and chance decides which. Were the hash that of the texel alone, triangles
 // would cover the same samples, and the mean would be the least of all t.
 namespace gnomon::stochastic_map {
@@ -30,7 +30,7 @@ constexpr std::uint32_t hash_of(std::uint32_t triangle, std::uint32_t column, st
 }
 
 /// Place of an item among `count` when a key shuffles them (Kensler 2013): nearly a draw without replacement, but one that
-/// asks for no list.
+/// needs no list.
 constexpr std::uint32_t shuffled(std::uint32_t item, std::uint32_t count, std::uint32_t key) {
   std::uint32_t bits = count - 1;
   bits |= bits >> 1;

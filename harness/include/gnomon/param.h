@@ -79,7 +79,7 @@ class Parametrized {
   /// "a=1,b=2": what differs from the defaults, in order of declaration; empty when nothing does.
   std::string settings() const;
   /// Sets from "a=1,b=2"; empty sets nothing. Throws Error on unknown names, bad values, repeated names
-  /// and empty items; nothing is set then. The order is of no account: `of` is set before `of.count`.
+  /// and empty items; nothing is set then. Any order will do: `of` is set before `of.count`.
   void apply(std::string_view settings);
 
  private:

@@ -77,7 +77,7 @@ std::span<const Feature> all_features();
 /// Those that the casters of a scene have.
 std::vector<Feature> features_of(const Scene& scene);
 
-/// A reason for wrong pixels that a technique knows of itself, beside the common ones of docs/causes.md. It says by
+/// A reason for wrong pixels that a technique finds by itself, beside the common ones of docs/causes.md. It says by
 /// Explanation::cause at which pixels it holds.
 struct OwnCause {
   std::string_view id;                  ///< plain name that no common cause has: "off_screen"
@@ -100,15 +100,15 @@ struct About {
   bool is_default = false;    ///< the technique that `gnomon view` shows when none is named
   /// The edges of its shadows are those of polygons that a rasterizer draws in the picture's pixels, snapped to its grid.
   bool rasterizes = false;
-  std::span<const Feature> handles = {};          ///< of scenes: it is asked about those that need no other
+  std::span<const Feature> handles = {};          ///< of scenes: it supports none that needs another
   std::span<const OwnCause> causes = {};          ///< of its own
-  std::span<const std::string_view> lights = {};  ///< kinds that it knows, of a program; empty: `supports` tells
+  std::span<const std::string_view> lights = {};  ///< kinds that a program supports; empty: `supports` tells
   bool named_only = false;  ///< not among what `*` stands for: an engine, which runs only where it is asked for by name
 };
 
 class Technique;
 /// What a technique supports: what its `supports` answers where it handles all features of the scene, else `unsupported`, which
-/// names those that it does not handle. Everybody asks here.
+/// names those that it does not handle. The harness decides by this function alone.
 Support support_of(const About& about, const Technique& technique, const Scene& scene, const Light& light, const View& view);
 
 /// What a technique that looks up AlphaMask handles.
@@ -140,6 +140,9 @@ class Technique : public Parametrized {
   virtual std::unique_ptr<Technique> for_another_light() const { return nullptr; }
   /// Why pixel `index` of the last resolve got its answer; nothing when the technique has no samples to show. Untimed.
   virtual std::optional<Explanation> explain([[maybe_unused]] std::size_t index) const { return std::nullopt; }
+  /// The curve of the texel in which pixel `index` of the last resolve was looked up; nothing from techniques that hold none,
+  /// and where they looked nothing up. Untimed.
+  virtual std::optional<DepthCurve> depth_curve([[maybe_unused]] std::size_t index) const { return std::nullopt; }
   /// The lit and shadowed polygons of the last relight; nothing from techniques that do not make polygons. A fresh object of
   /// one that does gives an empty detail. Untimed.
   virtual std::optional<SurfaceDetail> surface_detail() const { return std::nullopt; }

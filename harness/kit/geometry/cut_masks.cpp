@@ -263,7 +263,7 @@ CutCount cut_count(const Scene& scene, std::size_t most) {
   return count;
 }
 
-CutMasks::CutMasks(const Scene& scene, std::size_t most, Shown shown) : original_(&scene) {
+CutMasks::CutMasks(const Scene& scene, std::size_t most, Drawn drawn) : original_(&scene) {
   if (std::ranges::none_of(scene.meshes, casts_with_holes)) return;
   cut_ = std::make_unique<Scene>(scene);
   first_piece_ = static_cast<std::uint32_t>(scene.triangle_count());
@@ -293,7 +293,7 @@ CutMasks::CutMasks(const Scene& scene, std::size_t most, Shown shown) : original
     old.casts = false;
     old.alpha_mask.reset();
     old.uv.clear();
-    if (shown == Shown::pieces) std::ranges::fill(old.triangles, glm::uvec3(0));
+    if (drawn == Drawn::pieces) std::ranges::fill(old.triangles, glm::uvec3(0));
     if (solid.triangles.empty()) continue;
     solid.facts = measure_facts(solid.positions, solid.triangles);
     cut_->meshes.push_back(std::move(solid));

@@ -6,7 +6,7 @@ namespace gnomon {
 
 /// Where rounding to float32 may change which triangles with transmission a way crosses, or what they let through. The moved
 /// rays of class U see opaque casters alone: through glass they would have to count, and a ray tracer's count is in doubt in
-/// the very places that are looked for. Distances in double tell them. The scene must outlive it; any thread may ask.
+/// the very places that are looked for. Distances in double tell them. The scene must outlive it; any thread may use it.
 class GlassDoubt {
  public:
   /// `extent` as of gnomon::extent(scene, light, view), meters.

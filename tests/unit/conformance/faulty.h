@@ -49,7 +49,7 @@ class Faulty final : public Technique {
     if (fault == Fault::refuses_all) return Support::unsupported("it refuses everything");
     if (!has_area(light) && fault == Fault::promises_half) return Support::approximate("lit", {.most_wrong = 0.5});
     if (!has_area(light) && fault == Fault::promises_little) return Support::approximate("lit", {.most_wrong = 0.001});
-    return hard_lights_only(light, fault == Fault::gives_no_reason ? "" : "it knows no penumbra");
+    return hard_lights_only(light, fault == Fault::gives_no_reason ? "" : "it has no penumbra");
   }
   void setup() override {}
   void build(const Scene& scene) override {

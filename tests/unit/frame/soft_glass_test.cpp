@@ -41,12 +41,12 @@ Scene scene_of(std::vector<Mesh> casters, double unit = 1) {
   return scene;
 }
 
-struct Asked {
+struct LampRays {
   RayScene casters;
   glm::vec3 point, lift;
   LightFigure figure;
   FaceRays rays;
-  Asked(const Scene& scene, double x, double unit = 1)
+  LampRays(const Scene& scene, double x, double unit = 1)
       : casters(scene, Truth::mesh, RayScene::Which::casters),
         point(unit * glm::dvec3(x, 0, 0.01)),
         lift(static_cast<float>(unit * 1e-6) * glm::vec3(up)),
@@ -58,7 +58,7 @@ struct Asked {
 TEST(SoftGlass, half_of_a_lamp_behind_a_sheet) {
   const Scene scene = scene_of({sheet(-4, 0, 1, 0.4f)});
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
-    const SampledShares shares = Asked(scene, 0).shares(seed);
+    const SampledShares shares = LampRays(scene, 0).shares(seed);
     EXPECT_NEAR(shares.area, 0.7, 3 * shares.area_error);
     EXPECT_NEAR(shares.irradiance, 0.7, 3 * shares.irradiance_error);  // the lamp is the same on both sides of the point
     EXPECT_LE(shares.area_error, 0.002);
@@ -76,7 +76,7 @@ TEST(SoftGlass, any_share_of_a_lamp_behind_any_sheet) {
   for (int k = 0; k < rounds; ++k) {
     const auto t = static_cast<float>(random.uniform(0, 1));
     const double x = random.uniform(-0.6, 0.6);
-    const SampledShares shares = Asked(scene_of({sheet(-4, 0, 1, t)}), x).shares(static_cast<std::uint64_t>(k));
+    const SampledShares shares = LampRays(scene_of({sheet(-4, 0, 1, t)}), x).shares(static_cast<std::uint64_t>(k));
     const double off = shares.area - (1 - (1 - t) * covered(x));
     EXPECT_LT(std::abs(off), 12 * shares.area_error) << t << " at " << x;
     beyond_3 += std::abs(off) > 3 * shares.area_error;
@@ -90,7 +90,7 @@ TEST(SoftGlass, a_sheet_over_the_whole_lamp_lets_through_what_it_lets_through) {
   Random random(5);
   for (int k = 0; k < 30; ++k) {
     const auto t = static_cast<float>(random.uniform(0, 1));
-    const SampledShares shares = Asked(scene_of({sheet(-3, 4, 1, t)}), random.uniform(-1, 1)).shares();
+    const SampledShares shares = LampRays(scene_of({sheet(-3, 4, 1, t)}), random.uniform(-1, 1)).shares();
     for (const double share : {shares.area, shares.irradiance, shares.area_half, shares.irradiance_half})
       EXPECT_NEAR(share, t, 1e-12);
     EXPECT_EQ(static_cast<float>(shares.area), t);
@@ -109,20 +109,20 @@ TEST(SoftGlass, sheets_multiply_in_any_order) {
       sheets.push_back(sheet(-3, 4, height, t));
       product *= t;
     }
-    const SampledShares shares = Asked(scene_of(sheets), 0.2).shares();
+    const SampledShares shares = LampRays(scene_of(sheets), 0.2).shares();
     EXPECT_NEAR(shares.area, product, 0x1p-24);
     random.shuffle(sheets);
-    EXPECT_NEAR(Asked(scene_of(sheets), 0.2).shares().area, shares.area, 0x1p-24);
+    EXPECT_NEAR(LampRays(scene_of(sheets), 0.2).shares().area, shares.area, 0x1p-24);
   }
 }
 
 TEST(SoftGlass, what_is_blocked_stays_blocked) {
   const Scene scene = scene_of({sheet(-4, 4, 1.5f, 0.4f), strip(-4, 0, 1), sheet(-4, 4, 0.5f, 0.5f)});
   for (const double x : {-0.3, 0.0, 0.2}) {
-    const SampledShares shares = Asked(scene, x).shares();
+    const SampledShares shares = LampRays(scene, x).shares();
     EXPECT_NEAR(shares.area, 0.2 * (1 - covered(x)), 3 * shares.area_error);
   }
-  EXPECT_EQ(Asked(scene, -0.6).shares().area, 0);
+  EXPECT_EQ(LampRays(scene, -0.6).shares().area, 0);
 }
 
 // Texels of 4 m: the first covers x < 0.
@@ -133,7 +133,7 @@ TEST(SoftGlass, texels_are_looked_up_in_any_unit_of_length) {
     const double unit = std::exp2(power);
     const Scene scene = scene_of({card}, unit);
     for (const double x : {-0.4, -0.1, 0.0, 0.35}) {
-      const SampledShares shares = Asked(scene, x, unit).shares();
+      const SampledShares shares = LampRays(scene, x, unit).shares();
       EXPECT_NEAR(shares.area, 0.2 * covered(x) + 0.8 * (1 - covered(x)), 3 * shares.area_error) << power << " at " << x;
     }
   }
@@ -144,14 +144,14 @@ TEST(SoftGlass, without_transmission_the_share_is_that_of_the_blocked_bits) {
   Random random(11);
   const Scene opaque = scene_of({strip(-4, 0, 1)});
   for (int k = 0; k < 30; ++k) {
-    const Asked asked(opaque, random.uniform(-0.6, 0.6));
+    const LampRays lamp_rays(opaque, random.uniform(-0.6, 0.6));
     const auto seed = static_cast<std::uint64_t>(k);
-    const SampledShares shares = asked.shares(seed);
-    EXPECT_FALSE(asked.rays.has_transmission());
+    const SampledShares shares = lamp_rays.shares(seed);
+    EXPECT_FALSE(lamp_rays.rays.has_transmission());
     const Scramble scramble(2 * seed + 1);
     int count = 0, blocked = 0;
     for (std::uint32_t round = 0; round < shares.rays / 16; ++round) {
-      const FaceHits hits = asked.rays.ask(scramble.of_each(round));
+      const FaceHits hits = lamp_rays.rays.ask(scramble.of_each(round));
       count += std::popcount(hits.asked);
       blocked += std::popcount(hits.blocked);
       EXPECT_EQ(hits.dimmed, 0u);
@@ -171,11 +171,11 @@ TEST(SoftGlass, glass_that_dims_nothing_changes_nothing) {
              dark = sheet(-4, 0, 1, 0);
   for (int k = 0; k < 20; ++k) {
     const double x = random.uniform(-0.7, 0.7);
-    const SampledShares expected = Asked(scene_of({opaque}), x).shares();
+    const SampledShares expected = LampRays(scene_of({opaque}), x).shares();
     for (const Scene& scene : {scene_of({opaque, beside}), scene_of({opaque, clear}), scene_of({dark})}) {
-      const Asked asked(scene, x);
-      EXPECT_TRUE(asked.rays.has_transmission());
-      const SampledShares shares = asked.shares();
+      const LampRays lamp_rays(scene, x);
+      EXPECT_TRUE(lamp_rays.rays.has_transmission());
+      const SampledShares shares = lamp_rays.shares();
       EXPECT_EQ(shares.area, expected.area);
       EXPECT_EQ(shares.rays, expected.rays);
       EXPECT_EQ(shares.area_error, expected.area_error);

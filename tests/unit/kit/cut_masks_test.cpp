@@ -68,8 +68,8 @@ TEST(CutMasks, scenes_without_casting_holes_are_taken_as_they_are) {
 TEST(CutMasks, meshes_and_triangles_keep_their_numbers) {
   const Scene scene = scene_of({masked::card(1, 1, masked::mask_of({"#.", "##"})), hand_made::square(4, 0),
                                 masked::card(1, 2, masked::mask_of({"#."}))});
-  for (const CutMasks::Shown shown : {CutMasks::Shown::triangles, CutMasks::Shown::pieces}) {
-    const CutMasks cut(scene, many, shown);
+  for (const CutMasks::Drawn drawn : {CutMasks::Drawn::triangles, CutMasks::Drawn::pieces}) {
+    const CutMasks cut(scene, many, drawn);
     ASSERT_TRUE(cut.is_cut());
     ASSERT_EQ(cut.scene().meshes.size(), 5u);
     EXPECT_EQ(&cut.original(), &scene);
@@ -80,7 +80,7 @@ TEST(CutMasks, meshes_and_triangles_keep_their_numbers) {
       EXPECT_TRUE(mesh.receives);
       EXPECT_EQ(mesh.positions, scene.meshes[m].positions);
       EXPECT_EQ(mesh.triangles.size(), scene.meshes[m].triangles.size());
-      EXPECT_EQ(mesh.triangles == scene.meshes[m].triangles, shown == CutMasks::Shown::triangles || m == 1);
+      EXPECT_EQ(mesh.triangles == scene.meshes[m].triangles, drawn == CutMasks::Drawn::triangles || m == 1);
     }
     for (const std::size_t m : {3, 4}) {
       EXPECT_TRUE(cut.scene().meshes[m].casts);

@@ -39,25 +39,25 @@ std::string refused(const Names& words, const Scene& scene = four_lights()) {
   return "";
 }
 
-TEST(light_words, nothing_asks_for_each_light) {
+TEST(light_selection, nothing_asks_for_each_light) {
   EXPECT_EQ(rows({}), (Names{"ring_1: ring_1", "sun: sun", "lamp: lamp", "ring_2: ring_2"}));
   EXPECT_EQ(rows({"*"}), rows({}));
 }
 
-TEST(light_words, patterns_ask_for_each_that_is_like_them) {
+TEST(light_selection, patterns_ask_for_each_that_is_like_them) {
   EXPECT_EQ(rows({"ring_*"}), (Names{"ring_1: ring_1", "ring_2: ring_2"}));
   EXPECT_EQ(rows({"*soft", "sun"}), (Names{"lamp: lamp", "sun: sun"}));
   EXPECT_EQ(rows({"*n*_2"}), (Names{"ring_2: ring_2"}));
 }
 
-TEST(light_words, a_plus_puts_lights_together_in_the_order_of_the_scene) {
+TEST(light_selection, a_plus_puts_lights_together_in_the_order_of_the_scene) {
   EXPECT_EQ(rows({"lamp+ring_1"}), (Names{"ring_1+lamp: ring_1 lamp"}));
   EXPECT_EQ(rows({"all+"}), (Names{"all+: ring_1 sun lamp ring_2"}));
   EXPECT_EQ(rows({"*hard+"}), (Names{"*hard+: ring_1 sun ring_2"}));
   EXPECT_EQ(rows({"ring_*+lamp"}), (Names{"ring_*+lamp: ring_1 lamp ring_2"}));
 }
 
-TEST(light_words, a_number_behind_the_plus_chooses_as_many_evenly) {
+TEST(light_selection, a_number_behind_the_plus_chooses_as_many_evenly) {
   EXPECT_EQ(rows({"all+2"}), (Names{"all+2: ring_1 lamp"}));
   EXPECT_EQ(rows({"*hard+3"}), (Names{"*hard+3: ring_1 sun ring_2"}));
   EXPECT_EQ(rows({"all+1", "ring_*+2", "all+4"}),
@@ -69,12 +69,12 @@ TEST(light_words, a_number_behind_the_plus_chooses_as_many_evenly) {
   EXPECT_EQ(rows({"sun+4"}, scene), (Names{"sun+4: sun 4"})) << "beside a name it is a name";
 }
 
-TEST(light_words, the_same_lights_are_one_row_and_one_light_together_is_that_light) {
+TEST(light_selection, the_same_lights_are_one_row_and_one_light_together_is_that_light) {
   EXPECT_EQ(rows({"sun+lamp", "lamp+sun", "sun", "sun"}), (Names{"sun+lamp: sun lamp", "sun: sun"}));
   EXPECT_EQ(rows({"*soft+", "lamp"}), (Names{"lamp: lamp"}));
 }
 
-TEST(light_words, what_cannot_be_is_refused_with_what_there_is) {
+TEST(light_selection, what_cannot_be_is_refused_with_what_there_is) {
   EXPECT_EQ(refused({"sum"}), "scene four has no light sum; did you mean sun? It has: ring_1, sun, lamp, ring_2");
   EXPECT_EQ(refused({"sun+sum"}), "scene four has no light sum; did you mean sun? It has: ring_1, sun, lamp, ring_2");
   EXPECT_EQ(refused({"sun+sun"}), "lights sun+sun: light sun is named twice; a row has each light once");
@@ -87,7 +87,7 @@ TEST(light_words, what_cannot_be_is_refused_with_what_there_is) {
   EXPECT_EQ(refused({"*soft+"}, hard), "scene four has no light with area, which *soft asks for; it has: ring_1, sun, ring_2");
 }
 
-TEST(light_words, a_row_has_a_bounded_number_of_lights_and_a_scene_may_have_more) {
+TEST(light_selection, a_row_has_a_bounded_number_of_lights_and_a_scene_may_have_more) {
   Scene many;
   for (std::size_t k = 0; k <= most_lights; ++k) many.lights.push_back({.name = fmt::format("l{}", k), .kind = PointLight{}});
   EXPECT_EQ(rows({}, many).size(), most_lights + 1);
@@ -109,7 +109,7 @@ Scene colored() {
 const std::string sun = "sun.red sun.green sun.blue", lamp = "lamp.red lamp.green lamp.blue",
                   bulb = "bulb.red bulb.green bulb.blue";
 
-TEST(light_words, a_colored_light_is_its_three_channels_in_one_row) {
+TEST(light_selection, a_colored_light_is_its_three_channels_in_one_row) {
   const Names each = {"sun: " + sun, "lamp: " + lamp, "bulb: " + bulb};
   EXPECT_EQ(rows({"sun"}, colored()), (Names{each[0]}));
   EXPECT_EQ(rows({}, colored()), each);
@@ -119,14 +119,14 @@ TEST(light_words, a_colored_light_is_its_three_channels_in_one_row) {
   EXPECT_EQ(rows({"*u*"}, colored()), (Names{each[0], each[2]})) << "red, green and blue are no part of the name";
 }
 
-TEST(light_words, one_channel_of_a_light_is_a_row_of_its_own) {
+TEST(light_selection, one_channel_of_a_light_is_a_row_of_its_own) {
   EXPECT_EQ(rows({"sun.green"}, colored()), (Names{"sun.green: sun.green"}));
   EXPECT_EQ(rows({"sun", "sun.green"}, colored()), (Names{"sun: " + sun, "sun.green: sun.green"}));
   EXPECT_EQ(rows({"*.blue"}, colored()), (Names{"sun.blue: sun.blue", "lamp.blue: lamp.blue", "bulb.blue: bulb.blue"}));
   EXPECT_EQ(rows({"lamp.red+sun.red"}, colored()), (Names{"sun.red+lamp.red: sun.red lamp.red"}));
 }
 
-TEST(light_words, several_colored_lights_have_all_their_channels) {
+TEST(light_selection, several_colored_lights_have_all_their_channels) {
   EXPECT_EQ(rows({"lamp+sun"}, colored()), (Names{"sun+lamp: " + sun + ' ' + lamp}));
   EXPECT_EQ(rows({"all+"}, colored()), (Names{"all+: " + sun + ' ' + lamp + ' ' + bulb}));
   EXPECT_EQ(rows({"*hard+"}, colored()), (Names{"*hard+: " + sun + ' ' + bulb}));
@@ -135,7 +135,7 @@ TEST(light_words, several_colored_lights_have_all_their_channels) {
   EXPECT_EQ(refused({"all+4"}, colored()), "lights all+4: 4 is outside 1 .. 3, which are there");
 }
 
-TEST(light_words, refusals_name_whole_lights) {
+TEST(light_selection, refusals_name_whole_lights) {
   EXPECT_EQ(refused({"sum"}, colored()), "scene four has no light sum; did you mean sun? It has: sun, lamp, bulb");
   EXPECT_EQ(refused({"x*"}, colored()), "scene four has no light whose name is like x*; it has: sun, lamp, bulb");
   EXPECT_NE(refused({"sun.yellow"}, colored()).find("no light sun.yellow"), std::string::npos);

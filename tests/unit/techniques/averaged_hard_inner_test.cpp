@@ -10,7 +10,7 @@ class Half final : public Technique {
   Number<int> lit{this, "lit", 1, {"", 0, 1}, Stage::resolve, "Whether everything is lit."};
   static inline int builds = 0;
   Support supports(const Scene&, const Light& light, const View&) const override {
-    return hard_lights_only(light, "it knows no penumbra");
+    return hard_lights_only(light, "it has no penumbra");
   }
   void setup() override { is_set_up_ = true; }
   void build(const Scene&) override {
@@ -70,7 +70,7 @@ class Says final : public Technique {
   static inline int questions = 0;
   Support supports(const Scene&, const Light& light, const View&) const override {
     ++questions;
-    return hard_lights_only(light, "it knows no penumbra");
+    return hard_lights_only(light, "it has no penumbra");
   }
   void setup() override {}
   void build(const Scene&) override {}

@@ -34,8 +34,8 @@ class MaskSetting {
     return Support::unsupported(fmt::format("alpha masks make {}{} polygons; mask_limit allows {}",
                                             count.is_more ? "more than " : "", count.pieces, most));
   }
-  CutMasks cut(const Scene& scene, CutMasks::Shown shown = CutMasks::Shown::triangles) const {
-    return mask_.is("cut") ? CutMasks(scene, static_cast<std::size_t>(most_.value()), shown) : CutMasks(scene);
+  CutMasks cut(const Scene& scene, CutMasks::Drawn drawn = CutMasks::Drawn::triangles) const {
+    return mask_.is("cut") ? CutMasks(scene, static_cast<std::size_t>(most_.value()), drawn) : CutMasks(scene);
   }
 
  private:

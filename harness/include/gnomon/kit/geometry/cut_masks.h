@@ -8,7 +8,7 @@
 
 namespace gnomon {
 
-// Casters with holes as polygons, for techniques that know no other casters. The solid texels before a triangle become
+// Casters with holes as polygons, for techniques that handle no other casters. The solid texels before a triangle become
 // rectangles, row by row and merged downwards; what of them lies in the triangle becomes triangles of the world, its pieces.
 //
 // Neighboring rectangles share the corners on their common edge, so that no light leaks between two pieces of a triangle. Two
@@ -31,15 +31,15 @@ CutCount cut_count(const Scene& scene, std::size_t most);
 /// is, without a copy.
 class CutMasks {
  public:
-  /// What shows the surfaces with holes: the triangles that they had; or the pieces, for a technique that draws the depth of
-  /// the scene itself. The old triangles then lie in one point.
-  enum class Shown { triangles, pieces };
+  /// How surfaces with holes are drawn: as the triangles that they had; or as the pieces, for a technique that draws the depth
+  /// of the scene itself. The old triangles are then points.
+  enum class Drawn { triangles, pieces };
 
   CutMasks() = default;
   /// The scene as it is, with or without masks; it outlives this object.
   explicit CutMasks(const Scene& scene) : original_(&scene) {}
   /// Throws Error where there are more than `most` pieces.
-  CutMasks(const Scene& scene, std::size_t most, Shown shown = Shown::triangles);
+  CutMasks(const Scene& scene, std::size_t most, Drawn drawn = Drawn::triangles);
 
   const Scene& scene() const { return cut_ ? *cut_ : *original_; }
   /// The scene that it was made of.

@@ -11,7 +11,7 @@ class GlassSums : public GlassMap {
   struct Sums {
     int count;
     std::string add;    ///< `void sums_of(float t, float absorbance, out float sums[SUM_COUNT])`, of one surface
-    std::string share;  ///< `float share_of(float sums[SUM_COUNT], float t)`; not asked where the absorbance sums[0] is 0
+    std::string share;  ///< `float share_of(float sums[SUM_COUNT], float t)`; not called where the absorbance sums[0] is 0
     std::string constants = "";  ///< of `share`, as PassConstants
     int constant_count = 0;
   };
