@@ -59,6 +59,15 @@ inline void exclude_holes(const RTCFilterFunctionNArguments* args) {
   exclude_holes(args, [](unsigned, std::uint32_t, std::uint32_t) {});
 }
 
+/// Lets rays through transmission alone.
+inline void exclude_receiver_and_glass(const RTCFilterFunctionNArguments* args) {
+  exclude_receiver(args);
+  const auto& context = *reinterpret_cast<const FilterContext*>(args->context);
+  for (unsigned lane = 0; lane < args->N; ++lane)
+    if (args->valid[lane] != 0 && context.masked->meshes[RTCHitN_geomID(args->hit, args->N, lane)].transmission)
+      args->valid[lane] = 0;
+}
+
 inline void exclude_receiver_and_holes(const RTCFilterFunctionNArguments* args) {
   exclude_receiver(args);
   exclude_holes(args);

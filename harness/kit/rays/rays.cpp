@@ -256,6 +256,12 @@ std::uint32_t RayScene::occluded(std::uint32_t valid, ShadowPacket& packet, cons
   return trace(body_->scene, valid, packet, context, context.masked ? exclude_receiver_and_holes : exclude_receiver);
 }
 
+std::uint32_t RayScene::met(std::uint32_t valid, ShadowPacket& packet, const Receivers& receivers) const {
+  if (body_->scale != 1 || is_short(valid, packet)) valid &= into_frame(packet, body_->scale);
+  FilterContext context = body_->context(receivers);
+  return trace(body_->scene, valid, packet, context, context.masked ? exclude_receiver_and_glass : exclude_receiver);
+}
+
 std::uint32_t RayScene::crossed(std::uint32_t valid, ShadowPacket& packet, const Receivers& receivers,
                                 std::span<Crossings, ray_lanes> crossings) const {
   if (body_->scale != 1 || is_short(valid, packet)) valid &= into_frame(packet, body_->scale);

@@ -113,6 +113,7 @@ bool is_resolved(const Scene& scene, const Light& light, const View& view) {
 std::vector<PixelClass> classify(const Scene& scene, const RayScene& casters, const GBuffer& gbuffer, const Light& light,
                                  std::span<const float> reference, std::span<const std::uint8_t> silhouettes) {
   const glm::dvec4 l = homogeneous(light);
+  const std::span<const float> answers = reference;
   std::vector<float> by_opaque;
   if (casters.has_transmission()) {
     by_opaque.resize(gbuffer.size());
@@ -136,7 +137,10 @@ std::vector<PixelClass> classify(const Scene& scene, const RayScene& casters, co
     const std::uint32_t unstable = moved ? moved->unstable(pixels) : ~0u;
     const auto is_uncertain = [&](std::size_t k) {
       if (unstable >> k & 1) return true;
-      return is_lit(reference[pixels[k]]) && glass.is_uncertain(receiver_at(scene, gbuffer, pixels[k]));
+      const std::size_t i = pixels[k];
+      // The ray that counts glass may pass an edge that the other one met.
+      if (!is_lit(reference[i])) return answers[i] > 0;
+      return glass.is_uncertain(receiver_at(scene, gbuffer, i), answers[i]);
     };
     for (std::size_t k = 0; k < pixels.size(); ++k)
       if (is_uncertain(k)) classes[pixels[k]] = PixelClass::U;

@@ -54,11 +54,11 @@ GlassDoubt::GlassDoubt(const Scene& scene, const glm::dvec4& light, double exten
   for (const std::uint32_t i : tree_.order()) casters_.push_back(casters[i]);
 }
 
-bool GlassDoubt::is_uncertain(const Receiver& receiver) const {
+bool GlassDoubt::is_uncertain(const Receiver& receiver, float share) const {
   if (casters_.empty()) return false;
   const Segment segment{receiver.point, light_};
   const glm::dvec3 way = to_light(light_, glm::dvec3(receiver.point));
-  bool is_doubtful = false;
+  bool is_doubtful = share == 0;
   const double reach = 3 * rho_;
   const bool is_dark = tree_.any(SegmentSlabs(segment), reach, [&](std::uint32_t place) {
     const Found found = at(receiver, casters_[place], way);

@@ -13,10 +13,11 @@ class GlassDoubt {
   GlassDoubt(const Scene& scene, const glm::dvec4& light, double extent);
   bool empty() const { return casters_.empty(); }
 
-  /// Of a way that no opaque caster blocks: whether it passes an edge of glass, or glass one of its ends, by rho = 16 * 2^-24 *
-  /// extent or less, or crosses it where within texel_rounding another texel lets through more or less by over 1/256, or is a
-  /// hole; and whether nothing on the way is opaque beyond doubt (t = 0), which would settle the answer.
-  bool is_uncertain(const Receiver& receiver) const;
+  /// Of a way that no opaque caster blocks, and on which the reference found `share`: whether it passes an edge of glass, or
+  /// glass one of its ends, by rho = 16 * 2^-24 * extent or less, or crosses it where within texel_rounding another texel lets
+  /// through more or less by over 1/256, or is a hole, or nothing is left without a reason; and whether nothing on the way is
+  /// opaque beyond doubt (t = 0), which would settle the answer.
+  bool is_uncertain(const Receiver& receiver, float share) const;
 
  private:
   struct Caster {

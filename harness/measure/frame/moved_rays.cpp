@@ -26,6 +26,9 @@ struct MovedRays::Pixels {
 
 namespace {
 
+/// In rho: how far along the way a caster is met rho beside it, down to one that the way grazes by 1/32.
+constexpr double beside_reach = 32;
+
 /// The lanes for which decide(k) says so.
 template <class Decide>
 std::uint32_t those_of(std::uint32_t lanes, const Decide& decide) {
@@ -80,7 +83,9 @@ std::uint32_t MovedRays::unstable(std::span<const std::size_t> indices) const {
   if (changed != pixels.all) changed |= unstable_from_the_point(pixels);
   const std::uint32_t touches = touching(pixels);
   changed |= those_of(~changed & touches & pixels.dark(), [&](int k) { return is_in_plane_at_start(indices[k]); });
-  changed |= those_of(~changed & pixels.lit, [&](int k) { return is_shaded_at_an_end(indices[k], touches >> k & 1); });
+  const std::uint32_t beside = touching_beside(pixels, ~changed & pixels.lit);
+  changed |= those_of(~changed & pixels.lit,
+                      [&](int k) { return is_shaded_at_an_end(indices[k], touches >> k & 1, beside >> k & 1); });
   if (casters_.has_alpha_masks())
     changed |= those_of(~changed & pixels.all, [&](int k) { return is_at_hole_border(indices[k]); });
   return changed;
@@ -129,15 +134,34 @@ std::uint32_t MovedRays::unstable_from_the_point(const Pixels& pixels) const {
   return changed | outline_.met(pixels.lit & ~changed, inner);
 }
 
-/// Bit k: a caster is met within rho of the point of pixel k.
-std::uint32_t MovedRays::touching(const Pixels& pixels) const {
+/// Short rays through the points of pixels, `aside` in rho along the two directions across the way, `reach` rho both ways.
+ShadowPacket MovedRays::short_rays(const Pixels& pixels, const glm::dvec2& aside, double reach) const {
   ShadowPacket packet;
   for (int k = 0; k < 16; ++k) {
-    const glm::dvec3 reach = rho() * toward(pixels[k]);
-    set_ray(packet, k, glm::dvec3(gbuffer_.position(pixels[k])) - reach, 2.0 * reach, 1);
+    const auto& [u, v] = pixels.beside[std::min<std::size_t>(k, pixels.indices.size() - 1)];
+    const glm::dvec3 way = reach * rho() * toward(pixels[k]);
+    set_ray(packet, k, glm::dvec3(gbuffer_.position(pixels[k])) + rho() * (aside.x * u + aside.y * v) - way, 2.0 * way, 1);
   }
+  return packet;
+}
+
+/// Bit k: a caster is met within rho of the point of pixel k.
+std::uint32_t MovedRays::touching(const Pixels& pixels) const {
   const std::uint32_t valid = those_of(pixels.all, [&](int k) { return !is_on_shape(pixels[k]); });
+  ShadowPacket packet = short_rays(pixels, {0, 0}, 1);
   return valid ? casters_.occluded(valid, packet, pixels.receivers()) : 0;
+}
+
+/// Bit k of `lanes`: a caster, or a hole of one, is met beside the point of pixel k.
+std::uint32_t MovedRays::touching_beside(const Pixels& pixels, std::uint32_t lanes) const {
+  std::uint32_t valid = those_of(lanes, [&](int k) { return !is_on_shape(pixels[k]); }), touches = 0;
+  for (const glm::dvec2& aside : {glm::dvec2(1, 0), {-1, 0}, {0, 1}, {0, -1}}) {
+    if (!valid) break;
+    ShadowPacket packet = short_rays(pixels, aside, beside_reach);
+    touches |= casters_.met(valid, packet, pixels.receivers());
+    valid &= ~touches;
+  }
+  return touches;
 }
 
 /// Whether a caster within rho of a dark point, closer than float32 resolves, holds the point in its plane, and so shades it
@@ -160,9 +184,10 @@ bool MovedRays::is_shaded_on_the_way(std::size_t i) const {
   return is_shaded_by_any(i, casters_.met(point, light_.w != 0 ? to_light(light_, point) : beyond_everything * toward(i)));
 }
 
-/// Whether a caster at the point or the light, closer than float32 resolves, shades a lit point. Where the point is at the
-/// border of its own triangle, which does not count, the ray may slip through between that and its neighbors.
-bool MovedRays::is_shaded_at_an_end(std::size_t i, bool is_touching) const {
+/// Whether a caster at the point or the light, closer than float32 resolves, shades a lit point. The ray may slip through at
+/// the edge of a caster that holds the point, and where the point is at the border of its own triangle, which does not count,
+/// between that and its neighbors.
+bool MovedRays::is_shaded_at_an_end(std::size_t i, bool is_touching, bool is_touching_beside) const {
   if (is_shaded_by_any(i, at_light_)) return true;
   const glm::dvec3 point = gbuffer_.position(i);
   const auto is_shaded_beside = [&](const glm::dvec3& aside, double reach) {
@@ -170,10 +195,10 @@ bool MovedRays::is_shaded_at_an_end(std::size_t i, bool is_touching) const {
     return is_shaded_by_any(i, casters_.met(point + aside - way, 2.0 * way));
   };
   if (is_touching && is_shaded_beside(glm::dvec3(0), rho())) return true;
-  if (!is_at_own_border(i)) return false;
+  if (!is_touching_beside && !is_at_own_border(i)) return false;
   const auto [u, v] = across(toward(i));
   for (const glm::dvec3& aside : {u, v, -u, -v, u + v, u - v, v - u, -u - v})
-    if (is_shaded_beside(rho() * aside, 32 * rho())) return true;
+    if (is_shaded_beside(rho() * aside, beside_reach * rho())) return true;
   return false;
 }
 

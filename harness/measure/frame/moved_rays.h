@@ -28,10 +28,12 @@ class MovedRays {
   /// Returns the way to the light, or a direction toward it.
   glm::dvec3 aim(ShadowPacket& packet, int k, const Pixels& pixels, int shift) const;
   std::uint32_t unstable_from_the_point(const Pixels& pixels) const;
+  ShadowPacket short_rays(const Pixels& pixels, const glm::dvec2& aside, double reach) const;
   std::uint32_t touching(const Pixels& pixels) const;
+  std::uint32_t touching_beside(const Pixels& pixels, std::uint32_t lanes) const;
   bool is_in_plane_at_start(std::size_t i) const;
   bool is_shaded_on_the_way(std::size_t i) const;
-  bool is_shaded_at_an_end(std::size_t i, bool is_touching) const;
+  bool is_shaded_at_an_end(std::size_t i, bool is_touching, bool is_touching_beside) const;
   bool is_at_own_border(std::size_t i) const;
   bool is_at_hole_border(std::size_t i) const;
   bool is_clearly_inside(const Triangle& triangle, const glm::dvec3& point, const glm::dvec3& way) const;

@@ -1,6 +1,7 @@
 // One pixel class after the other from points made by hand, each a scene that has exactly that.
 #include "measure/frame/classify.h"
 
+#include <gnomon/kit/geometry/exact.h>
 #include <gnomon/kit/rays/gbuffer_maker.h>
 #include <gtest/gtest.h>
 
@@ -165,6 +166,37 @@ TEST(classify, uncertain_where_only_the_ray_offset_keeps_the_point_lit) {
     picture.set(0, {1, 0, 0}, {0, 1, 0}, 0, 0);
     EXPECT_EQ(letters(scene, picture, hand_made::sun({0, -1, 0})), letter) << height;
   }
+}
+
+// Points on the edges of casters, as float32 rounds them: by exact signs the caster shades about half of them, beside its edge
+// or not, and the ray, which starts above the point, meets it or not. Of a lit one that is shaded the edge itself must tell.
+TEST(classify, uncertain_where_the_edge_of_a_caster_holds_the_point) {
+  std::mt19937 random(5);
+  std::uniform_real_distribution<float> any(-1.5f, 1.5f), share(0.1f, 0.9f);
+  const auto point = [&] { return glm::vec3(any(random), any(random), any(random)); };
+  int shaded = 0;
+  for (int round = 0; round < 4000; ++round) {
+    const glm::vec3 a = point(), b = point(), c = point();
+    Scene scene = one_caster(a, b, c);
+    const glm::vec3 p = glm::mix(a, b, share(random));
+    const Light light = hand_made::point_light({4, 1.5f, 1.5f});
+    const glm::vec3 normal = glm::normalize(glm::vec3(3, any(random), any(random)));
+    const glm::vec3 u = glm::normalize(glm::cross(normal, {0, 1, 0})), v = glm::cross(normal, u);
+    scene.meshes[0] = hand_made::mesh_of({p - u - v, p + 3.0f * u, p + 3.0f * v}, {{0, 1, 2}});
+    scene.meshes[0].casts = false;
+    const Segment way{p, homogeneous(light)};
+    if (crosses(way, scene.meshes[1].corners(0)) == Crossing::none) continue;
+    Picture picture(1, 1);
+    picture.gbuffer.view.eye = {4, 1, 0};
+    picture.set(0, p, normal, 0, 0);
+    const RayScene casters(scene, Truth::mesh, RayScene::Which::casters);
+    std::vector<float> reference(1);
+    trace_shadows(casters, scene, picture.gbuffer, light, reference);
+    if (!is_lit(reference[0])) continue;
+    ++shaded;
+    EXPECT_NE(letters(scene, picture, light), "T") << round;
+  }
+  EXPECT_GT(shaded, 100);
 }
 
 TEST(classify, uncertain_pixels_lie_within_rounding_of_the_shadow_edge) {

@@ -85,6 +85,8 @@ class RayScene {
   /// Every triangle that the segment from `origin` to `origin` + `way` meets, as float32 sees it, in its holes, too; no exact
   /// curved shapes, and nothing with transmission.
   std::vector<Met> met(const glm::dvec3& origin, const glm::dvec3& way) const;
+  /// Bit k is set when ray k, as `occluded` takes it, meets such a triangle.
+  std::uint32_t met(std::uint32_t valid, ShadowPacket& packet, const Receivers& receivers) const;
 
   /// Which of the triangles traced share an edge, those with transmission left out. The first call finds it.
   const EdgeAdjacency& adjacency() const;
