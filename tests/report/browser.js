@@ -111,17 +111,70 @@ export async function open(file, options = {}) {
   return page;
 }
 
-/** What some work takes: milliseconds of processor time of the whole browser, and milliseconds by the clock. */
+/** Milliseconds of processor time of the whole browser by process. */
+async function processorTimes(session) {
+  const { processInfo } = await session.send("SystemInfo.getProcessInfo");
+  return new Map(processInfo.map(({ id, cpuTime }) => [id, 1000 * cpuTime]));
+}
+
+/** The processor time between two readings, that of new processes included. */
+const spent = (before, after) => [...after].reduce((sum, [id, time]) => sum + time - (before.get(id) ?? 0), 0);
+
+/** Waits until the browser rests: a new window has parts that are pages, too, and they load some time after it opens. */
+async function rest(session) {
+  const end = Date.now() + patience;
+  let before = await processorTimes(session);
+  for (let calm = 0; calm < 3;) {
+    if (Date.now() > end) throw new Error(`the browser does not rest after ${patience} ms`);
+    await new Promise((done) => setTimeout(done, 200));
+    const now = await processorTimes(session);
+    calm = spent(before, now) <= 20 ? calm + 1 : 0; // ms; a process is counted in steps of 10
+    before = now;
+  }
+}
+
+/** In a page: arithmetic and memory in no order, as in the loop of tests/budget. It takes about as long as that one. */
+function loop() {
+  const table = new Map();
+  for (let i = 0, value = 1; i < 230_000; ++i) {
+    value = (Math.imul(value, 1664525) + 1013904223) >>> 0;
+    table.set(value >>> 8, i);
+  }
+  return [...table.keys()].sort((p, q) => p - q)[0];
+}
+
+let loopPage = null;
+
+/** Milliseconds of processor time of some loops. A first one is not counted: the browser compiles it. */
+async function loopTimes(session) {
+  const counted = [];
+  for (let k = 0; k < 4; ++k) {
+    const before = await processorTimes(session);
+    await loopPage.evaluate(loop);
+    if (k > 0) counted.push(spent(before, await processorTimes(session)));
+  }
+  return counted;
+}
+
+/**
+ * What some work takes: milliseconds of processor time of the whole browser, milliseconds by the clock, and the milliseconds of
+ * processor time of a loop just before and just after it, which say how fast the machine is then. The browser rests before.
+ */
 export async function costOf(work) {
   const session = await browser.newBrowserCDPSession();
-  const times = async () => (await session.send("SystemInfo.getProcessInfo")).processInfo.map(({ id, cpuTime }) => [id, 1000 * cpuTime]);
-  const before = new Map(await times()),
+  loopPage ??= await newPage();
+  await rest(session);
+  const loops = await loopTimes(session);
+  const before = await processorTimes(session),
     start = Date.now();
   await work();
   const clock = Date.now() - start;
-  const processor = (await times()).reduce((sum, [id, time]) => sum + time - (before.get(id) ?? 0), 0);
+  const processor = spent(before, await processorTimes(session));
+  await rest(session);
+  loops.push(...(await loopTimes(session)));
   await session.detach();
-  return { processor, clock };
+  loops.sort((p, q) => p - q);
+  return { processor, clock, loop: (loops[loops.length / 2 - 1] + loops[loops.length / 2]) / 2 };
 }
 
 /** Where pictures for people go. */

@@ -1,7 +1,8 @@
-// A report of 200 rows with pictures of 640 x 360: below 30 MB, open in less than 3 s.
+// A report of 200 rows with pictures of 640 x 360: below 30 MB, open in less than 30 loops: 3 s where a loop takes 0.1 s.
 //
-// How fast the page is, is judged by the processor time of the browser, which other work on the machine does not lengthen by much. By
-// the clock it has four times as long, for that other work: what waits for something other than the processor is found by that.
+// How fast the page is, is judged by the processor time of the browser. Its unit is a loop that the same browser runs just
+// before and just after it. It takes about as long as the loop of tests/budget, and longer on a slow or busy machine. By the
+// clock the page has four times as long, for other work: what waits for something other than the processor is found by that.
 
 import assert from "node:assert/strict";
 import { copyFileSync, mkdirSync, readFileSync, statSync, writeFileSync } from "node:fs";
@@ -68,23 +69,26 @@ test("200 rows with pictures: small and quick", async () => {
   console.log(`# ${(size / 1e6).toFixed(1)} MB, made in ${made} ms`);
   assert.ok(size < 30e6, `${size} bytes`);
 
+  /** Demands that the work takes less than so many loops. */
   const takesLessThan = async (most, what, work) => {
-    const { processor, clock } = await costOf(work);
-    const words = `${what}: ${processor.toFixed(0)} ms of processor time, ${clock} ms by the clock`;
+    const { processor, clock, loop } = await costOf(work);
+    const loops = `${(processor / loop).toFixed(1)} loops of ${loop.toFixed(0)} ms`;
+    const words = `${what}: ${processor.toFixed(0)} ms of processor time, ${loops}; ${clock} ms by the clock`;
     console.log(`# ${words}`);
-    assert.ok(processor < most && clock < 4 * most, `${words}, where ${most} are wanted`);
+    const wanted = `${most} loops (${(most * loop).toFixed(0)} ms) are wanted, by the clock four times as long`;
+    assert.ok(processor < most * loop && clock < 4 * most * loop, `${words}, where ${wanted}`);
   };
   const page = await newPage();
-  await takesLessThan(3000, "opening", async () => {
+  await takesLessThan(30, "opening", async () => {
     await page.goto(`file://${file}`, { waitUntil: "load" });
     assert.equal((await shownRows(page)).length, wanted_rows);
   });
 
   const { rows } = await dataOf(page);
   assert.ok(rows.filter((row) => row.pictures).length > 0.8 * wanted_rows);
-  await takesLessThan(1500, "sorting", () => page.locator('th[data-column="resolve_ms"] button').click());
+  await takesLessThan(15, "sorting", () => page.locator('th[data-column="resolve_ms"] button').click());
   const last = rows.findLastIndex((row) => row.pictures);
-  await takesLessThan(2000, "a picture", async () => {
+  await takesLessThan(20, "a picture", async () => {
     await page.locator(`tr[data-row="${last}"] .picture`).click();
     await page.waitForFunction((name) => document.querySelector(".labels")?.textContent.includes(name), rows[last].title);
   });

@@ -40,11 +40,12 @@ const mix = (color, over, weight) => over.forEach((value, c) => (color[c] += wei
 
 function painted({ width, height }, paint) {
   const image = new ImageData(width, height);
+  const { data: bytes } = image;
   const color = [0, 0, 0];
-  for (let i = 0; i < width * height; ++i) {
+  for (let i = 0, at = 0; i < width * height; ++i) {
     paint(i, color);
-    for (let c = 0; c < 3; ++c) image.data[4 * i + c] = color[c];
-    image.data[4 * i + 3] = 255;
+    for (let c = 0; c < 3; ++c) bytes[at++] = color[c];
+    bytes[at++] = 255;
   }
   return image;
 }
