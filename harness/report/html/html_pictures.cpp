@@ -155,7 +155,7 @@ class Collector {
     for (const MeasuredLight& light : shown_lights(row)) {
       Json& one = json["lights"].emplace_back(frame_of(light, false));
       one["name"] = light.light.name;
-      one["is_fraction"] = light.answer.reference.kind == AnswerKind::fraction;
+      one["is_fraction"] = light.answer.reference.kind != AnswerKind::binary;  // behind glass, too
     }
     if (row.lights.size() > most_shown_lights)
       say(fmt::format("{}, light {}: pictures of each are of the first {} of {} lights", r.scene, r.light, most_shown_lights,
