@@ -43,7 +43,7 @@ SharesAlong GlassMap::exact_shares(const Place& place) const {
     const glm::dvec2 center = glm::dvec2(texels[k].texel) + 0.5;
     const Tap ray = image.tap(center, image.near, 1);
     const double far = image.tap(center, image.far, 1).stored;
-    for (const GlassCrossing& one : made_->lists->along(ray.origin, ray.direction))
+    for (const GlassCrossing& one : glass_along(ray))
       if (one.distance <= far)
         steps.push_back({std::max((one.distance - ray.stored) / (far - ray.stored), 0.0), k, one.transmission});
   }

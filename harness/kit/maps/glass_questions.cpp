@@ -62,13 +62,19 @@ std::vector<GlassTexel> GlassMap::texels_of(const Place& place) const {
   return texels;
 }
 
+std::vector<GlassCrossing> GlassMap::glass_along(const Tap& ray) const {
+  std::vector<GlassCrossing> list = made_->lists->along(ray.origin, ray.direction);
+  std::erase_if(list, [](const GlassCrossing& one) { return one.transmission == 0; });
+  return list;
+}
+
 /// With the exact lists of the rays through the texels' centers, down to where the point was looked up.
 std::vector<GlassTexel> GlassMap::texels_at(const Place& place, const glm::dvec3& point, double bias) const {
   std::vector<GlassTexel> texels = texels_of(place);
   const double z = depth_at(*place.image, point, bias);
   for (GlassTexel& texel : texels) {
     const Tap ray = place.image->tap(glm::dvec2(texel.texel) + 0.5, z, texel.weight);
-    texel.share = share_before(made_->lists->along(ray.origin, ray.direction), ray.stored);
+    texel.share = share_before(glass_along(ray), ray.stored);
   }
   return texels;
 }

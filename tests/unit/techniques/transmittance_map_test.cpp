@@ -1,5 +1,6 @@
 // The transmittance map: exact on the ray of a texel where all nodes are kept, and what the others lose.
 #include <gnomon/kit/gl/gl.h>
+#include <gnomon/kit/pictures/layers.h>
 
 #include <cstdlib>
 
@@ -165,6 +166,28 @@ TEST_F(TransmittanceMap, draws_how_many_nodes_a_texel_has) {
     EXPECT_EQ(of_three[3 * i], static_cast<float>(legend[2].color.x));
     EXPECT_EQ(of_one[3 * i], static_cast<float>(legend[0].color.x));
   });
+}
+
+// Half of a sheet lets 1/2 through and half nothing. The map of opaque casters holds what is opaque: no curve differs there. At
+// the border of the halves, and at the edges of the sheet, rounding may put a texel's center on either side.
+TEST_F(TransmittanceMap, texels_that_let_nothing_through_are_no_part_of_its_curves) {
+  Scene scene = sheet_over_ground(0.5f);
+  scene.meshes[1] =
+      of_glass(masked::card(1, 1, nullptr), std::make_shared<const Transmission>(2, 1, 1, std::vector<float>{0.5f, 0}), false);
+  finish(scene.meshes[1]);
+  const GBuffer gbuffer = picture(scene);
+  const std::vector<float> truth = decided(scene, glass_maps_rig::sun, gbuffer), none(gbuffer.size(), 0);
+  for (const char* settings : {"", "filter=bilinear"}) {
+    const auto map = run(id, settings, scene, glass_maps_rig::sun, gbuffer);
+    const std::vector<float> curve = map.technique->draw_debug("curve"), nothing = heat_layer(gbuffer, none);
+    int dark = 0, differ = 0;
+    for (std::size_t i = 0; i < gbuffer.size(); ++i) {
+      dark += !gbuffer.is_background(i) && truth[i] == 0;
+      differ += !std::equal(&curve[3 * i], &curve[3 * i] + 3, &nothing[3 * i]);
+    }
+    EXPECT_GT(dark, 200) << settings;
+    EXPECT_LT(differ, dark / 4) << settings;
+  }
 }
 
 }  // namespace transmittance_map_test

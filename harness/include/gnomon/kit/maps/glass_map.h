@@ -171,6 +171,8 @@ class GlassMap : public Technique {
   static double depth_at(const LightImage& image, const glm::dvec3& point, double bias) {
     return image.seen(point).z - bias / image.stretch(point);
   }
+  /// The glass on a ray but for texels that let nothing through, which the map of opaque casters holds.
+  std::vector<GlassCrossing> glass_along(const Tap& ray) const;
   /// The texels that a look-up reads, without their share.
   std::vector<GlassTexel> texels_of(const Place& place) const;
   std::vector<GlassTexel> texels_at(const Place& place, const glm::dvec3& point, double bias) const;
