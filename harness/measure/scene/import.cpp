@@ -79,6 +79,7 @@ struct NoteCounts {
   std::size_t short_faces = 0, self_crossing_polygons = 0;  ///< left out, split as fans
   std::size_t textured = 0, transparent = 0;                ///< triangles
   std::size_t odd_colors = 0;                               ///< meshes
+  std::size_t masked_glass = 0;                             ///< meshes, by what a description says of their file
   Reach raw, placed;
 };
 
@@ -147,6 +148,8 @@ Mesh convert(const fs::path& file, const ImportedMesh& raw, const glm::dmat4& pl
   mesh.alpha_mask = masks.mask(where, raw);
   mesh.transmission = transmissions.transmission(where, raw);
   if (mesh.transmission) mesh.seen = transmissions.are_seen();
+  const bool is_noted = raw.mask.has_image() && raw.transmission.is_there();  // by the reader of its format
+  counts.masked_glass += mesh.alpha_mask && mesh.transmission && !is_noted;
   const std::string& hint = mesh.alpha_mask ? masks.hint() : transmissions.hint();
   const std::vector<std::uint32_t> welded = place_vertices(where, raw, place, placement, hint, counts, mesh);
 
@@ -297,6 +300,7 @@ void importing::add_imported(const fs::path& file, std::span<const std::byte> an
   note(counts.odd_colors, "meshes have a color outside of 0 .. 1, in place of which they have the usual one");
   note(counts.textured, "triangles have textures, which are not used: cut-out leaves and grids are opaque");
   note(counts.transparent, "triangles are of transparent material and stop light all the same");
+  note(counts.masked_glass, "meshes have a mask and a transmission; what is solid of them transmits");
   masks.finish(name, scene);
   transmissions.finish(file.string(), name, scene);
   for (const Reach* reach : {&counts.raw, &counts.placed})

@@ -89,6 +89,8 @@ void add_transmission(const Table& table, const DescribedFile& file_of, Scene& s
   }
   if (is_constant && shape.transmission->at(0, 0) == glm::vec3(1))
     scene.notes.push_back(fmt::format("{}: it lets all light through; it stops none", shape.name));
+  if (shape.alpha_mask)
+    scene.notes.push_back(fmt::format("{}: it has a mask and a transmission; what is solid of it transmits", shape.name));
   shape.seen = choice.seen.value_or(false);
   if (shape.needs_uv()) shape.uv = plane_uv;
 }

@@ -127,6 +127,8 @@ class Table {
     const toml::array* array = node.as_array();
     if (array ? array->size() != 3 : !node.is_number()) refuse(key, kind(key), allowed);
     if (!array) return glm::dvec3(share_of(key, node));
+    for (const toml::node& item : *array)
+      if (!item.is_number()) refuse(key, "a list with something else", allowed);
     return glm::dvec3(share_of(key, (*array)[0]), share_of(key, (*array)[1]), share_of(key, (*array)[2]));
   }
   glm::vec3 albedo() const {

@@ -168,6 +168,17 @@ TEST(TransmissionLoad, a_masked_obj_transmits_where_it_is_solid) {
   EXPECT_EQ(scene.meshes[0].uv.size(), 4u);
 }
 
+TEST(TransmissionLoad, a_mask_beside_a_transmission_is_noted) {
+  const Folder folder;
+  folder.write("leaf.png", png(2, 1, {255, 0}));
+  const std::string both = "mask = \"leaf.png\"\ntransmission = 0.5\n", solid = "have a mask and a transmission; what is solid";
+  EXPECT_TRUE(has_note(folder.read(plane + both), "it has a mask and a transmission; what is solid of it transmits"));
+  EXPECT_TRUE(has_note(folder.read(pane + both), "pane.obj: 1 meshes " + solid));
+  EXPECT_FALSE(has_note(folder.read(plane + "transmission = 0.5\n" + pane), solid));
+  folder.write("pane.mtl", "newmtl pane\nd 0.25\nmap_d leaf.png\n");
+  EXPECT_FALSE(has_note(folder.read(pane), solid)) << "the reader of the format has noted it";
+}
+
 TEST(TransmissionLoad, equal_glass_is_one_object) {
   const Folder folder;
   const Scene scene =

@@ -20,6 +20,8 @@ TEST(TransmissionRefusals, refuses_numbers_outside_of_0_to_1) {
   for (const char* value : {"[]", "[0.5, 0.5]", "[0, 0, 0, 0]", "{}", "2020-01-01"})
     expect_words(folder.error(pane + "transmission = " + value + "\n"),
                  {"mesh.transmission = a", "is not a number of 0 .. 1, three of them, or the name of an image", "test.toml:3"});
+  expect_words(folder.error(pane + "transmission = [0.5, \"a\", 0.5]\n"),
+               {"mesh.transmission = a list with something else is not a number of 0 .. 1, three of them", "test.toml:3"});
   for (const auto& [line, words] : {std::pair("d 1.5", "d = 1.5"), std::pair("d -0.25", "d = -0.25"),
                                     std::pair("d nan", "d = nan"), std::pair("Tr 3", "Tr = 3")}) {
     folder.write("pane.mtl", std::string("newmtl pane\n") + line + "\n");
