@@ -8,13 +8,13 @@ namespace gnomon {
 namespace {
 
 /// Over the frames where it is defined; nothing when it never is. `direction` says which end is the worst.
-std::optional<Motion::Range> range_of(std::span<const std::optional<double>> values, std::string_view direction) {
-  std::optional<Motion::Range> range;
+std::optional<PathErrors::Range> range_of(std::span<const std::optional<double>> values, std::string_view direction) {
+  std::optional<PathErrors::Range> range;
   std::size_t count = 0;
   for (std::size_t frame = 0; frame < values.size(); ++frame) {
     if (!values[frame]) continue;
     const double value = *values[frame];
-    if (!range) range = Motion::Range{.mean = 0, .least = value, .greatest = value, .worst = frame};
+    if (!range) range = PathErrors::Range{.mean = 0, .least = value, .greatest = value, .worst = frame};
     if (is_better(direction, direction == "higher" ? range->least : range->greatest, value)) range->worst = frame;
     range->mean += value;
     range->least = std::min(range->least, value);
@@ -27,17 +27,17 @@ std::optional<Motion::Range> range_of(std::span<const std::optional<double>> val
 
 }  // namespace
 
-std::vector<Motion> find_motion(std::span<const Record> records, const std::string& error) {
-  std::vector<Motion> rows;
+std::vector<PathErrors> find_motion(std::span<const Record> records, const std::string& error) {
+  std::vector<PathErrors> rows;
   std::set<std::string> metrics;
   for (const Record& r : records) {
     if (r.path.empty() || r.status != Status::ok || r.frames.empty()) continue;
-    Motion row{.record = &r, .frames = 0, .instability = {}, .error = {}};
+    PathErrors row{.record = &r, .frames = 0, .instability = {}, .error = {}};
     for (const auto& [metric, values] : r.frames) {
       metrics.insert(metric);
       row.frames = std::max(row.frames, values.size());
     }
-    const auto range = [&](const std::string& metric) -> std::optional<Motion::Range> {
+    const auto range = [&](const std::string& metric) -> std::optional<PathErrors::Range> {
       const auto found = r.frames.find(metric);
       return found == r.frames.end() ? std::nullopt : range_of(found->second, better(metric));
     };

@@ -4,7 +4,7 @@
 namespace gnomon {
 
 /// What one row did along its path.
-struct Motion {
+struct PathErrors {
   const Record* record = nullptr;
   std::size_t frames = 0;
   struct Range {
@@ -17,6 +17,6 @@ struct Motion {
 
 /// The rows that follow a path, in their order, with the range of `error` over the frames. Throws Error when there is none, or
 /// when none has this metric.
-std::vector<Motion> find_motion(std::span<const Record> records, const std::string& error = "error");
+std::vector<PathErrors> find_motion(std::span<const Record> records, const std::string& error = "error");
 
 }  // namespace gnomon

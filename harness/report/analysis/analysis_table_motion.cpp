@@ -3,7 +3,7 @@
 namespace gnomon::analysis {
 
 Tables motion_tables(std::span<const Record> records, const AnalysisOptions& options, Format) {
-  const std::vector<Motion> motions = find_motion(records, options.metric);
+  const std::vector<PathErrors> motions = find_motion(records, options.metric);
   const Column error = quantity_column(options.metric), instability = quantity_column("instability");
   Layout table;
   table.title = fmt::format("Along paths: instability, and {} of every frame", with_unit(error));
@@ -14,17 +14,18 @@ Tables motion_tables(std::span<const Record> records, const AnalysisOptions& opt
        lengthened(instability, "_max", "max"), whole_column("instability_frame", "", "at frame"),
        lengthened(error, "_mean", "mean"), lengthened(error, "_min", "min"), lengthened(error, "_max", "max"),
        whole_column(options.metric + "_frame", "", "worst at frame")});
-  const auto place = [](const Motion& motion) { return place_of(*motion.record); };
-  add_groups(table, motions, place, [&](const Motion& motion) {
+  const auto place = [](const PathErrors& motion) { return place_of(*motion.record); };
+  add_groups(table, motions, place, [&](const PathErrors& motion) {
     Cells cells = place_cells(place(motion));
     cells.push_back(text_cell(setting_name(*motion.record)));
     cells.push_back({.value = static_cast<double>(motion.frames)});
-    const auto add = [&](const std::optional<Motion::Range>& range, std::initializer_list<double Motion::Range::*> parts) {
+    const auto add = [&](const std::optional<PathErrors::Range>& range,
+                         std::initializer_list<double PathErrors::Range::*> parts) {
       for (const auto part : parts) cells.push_back(range ? Cell{.value = (*range).*part} : Cell{});
       cells.push_back(range ? Cell{.value = static_cast<double>(range->worst)} : Cell{});
     };
-    add(motion.instability, {&Motion::Range::mean, &Motion::Range::greatest});
-    add(motion.error, {&Motion::Range::mean, &Motion::Range::least, &Motion::Range::greatest});
+    add(motion.instability, {&PathErrors::Range::mean, &PathErrors::Range::greatest});
+    add(motion.error, {&PathErrors::Range::mean, &PathErrors::Range::least, &PathErrors::Range::greatest});
     return cells;
   });
   table.notes = {"instability: share of the tested pixels that flip from one frame to the next where the reference does not",

@@ -5,11 +5,11 @@ namespace gnomon {
 
 void draw_motion(std::span<const Record> records, FigureScript& script) {
   const std::string& metric = script.options.analysis.metric;
-  const std::vector<Motion> motions = find_motion(records, metric);
+  const std::vector<PathErrors> motions = find_motion(records, metric);
   const Column column = quantity_column(metric);
   std::vector<Place> places;
   std::vector<std::string> settings;
-  for (const Motion& motion : motions) {
+  for (const PathErrors& motion : motions) {
     if (motion.record->role != Role::contender) continue;
     add_once(places, place_of(*motion.record));
     add_once(settings, setting_name(*motion.record));
@@ -23,7 +23,7 @@ void draw_motion(std::span<const Record> records, FigureScript& script) {
 
   std::vector<PlotCommand> plots(places.size());
   std::size_t last = 1;
-  for (const Motion& motion : motions) {
+  for (const PathErrors& motion : motions) {
     last = std::max(last, motion.frames - 1);
     const auto found = motion.record->frames.find(metric);
     if (motion.record->role != Role::contender || found == motion.record->frames.end()) continue;

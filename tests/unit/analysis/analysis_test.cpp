@@ -301,7 +301,7 @@ TEST(motion, ranges_are_over_the_frames_where_the_metric_is_defined) {
   Record r = row("a", 1, 1, 0.2);
   r.path = "camera_slide";
   r.frames = {{"instability", {std::nullopt, 0.1, 0.3}}, {"error", {0.2, 0.1, 0.3}}};
-  const std::vector<Motion> motions = find_motion(std::vector{r, row("still", 1, 1, 0.1)});
+  const std::vector<PathErrors> motions = find_motion(std::vector{r, row("still", 1, 1, 0.1)});
   ASSERT_EQ(motions.size(), 1u);
   EXPECT_EQ(motions[0].frames, 3u);
   EXPECT_DOUBLE_EQ(motions[0].instability->mean, 0.2);

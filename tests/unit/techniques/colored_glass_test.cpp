@@ -65,7 +65,7 @@ std::string quick_settings(const std::string& id) {
   return joined(settings, ",");
 }
 
-class ColoredGlass : public glass_maps_rig::Rig, public testing::WithParamInterface<std::string> {
+class ColoredGlass : public glass_maps_rig::TestRig, public testing::WithParamInterface<std::string> {
  protected:
   /// Masks of a worker on a colored scene under all its lights together, beside masks of the scenes in one channel, a fresh
   /// object for each. Answers how many lights are supported, and how many channels of one light differ from its red.

@@ -5,7 +5,7 @@ namespace composite_planar_forms_test {
 using namespace composite_rig;
 using Point = glm::dvec3;
 
-class CompositeForms : public Rig {};
+class CompositeForms : public TestRig {};
 
 const View view{.eye = {-4, 6, 7}, .target = {-0.5f, 0.3f, 0}, .fov_y_degrees = 35};
 

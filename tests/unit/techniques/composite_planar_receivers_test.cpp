@@ -7,7 +7,7 @@ namespace composite_planar_receivers_test {
 using namespace composite_rig;
 using Point = glm::dvec3;
 
-class CompositeReceivers : public Rig {};
+class CompositeReceivers : public TestRig {};
 
 // A ball over a table over a floor: the light at (0, 4, 0) sees the ball (radius 1/2 at height 2) within the half angle whose
 // sine is 1/4: its shadow is a disc of tan = 1/sqrt(15) times 3 on the table at height 1, and times 4 on the floor, where that

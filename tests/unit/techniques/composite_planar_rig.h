@@ -42,7 +42,7 @@ inline const std::vector<Light> lights = {{.name = "point", .kind = PointLight{{
                                           {.name = "evening", .kind = DirectionalLight{{1, -0.08f, 0.3f}}}};
 
 /// One object for all tests, since its shaders cost more than its pictures; every use begins at the defaults and at `build`.
-class Rig : public testing::Test {
+class TestRig : public testing::Test {
  protected:
   static void SetUpTestSuite() { process_context(); }
   static void TearDownTestSuite() { kept().reset(); }

@@ -7,7 +7,7 @@ using namespace composite_rig;
 using composite_planar::Entry;
 using composite_planar::Patches;
 
-class CompositeSetup : public Rig {};
+class CompositeSetup : public TestRig {};
 
 // The picture of warm_up has casters that the technique supports, and their
 // shadows in it.

@@ -5,7 +5,7 @@ namespace composite_planar_test {
 using namespace composite_rig;
 using Point = glm::dvec3;
 
-class CompositePlanar : public Rig {};
+class CompositePlanar : public TestRig {};
 
 Shape random_shape(Random& random) {
   Point at = random.uniform(Point(-2.2, -0.5, -2.2), Point(2.2, 1.8, 2.2)), axis = small_world::direction_of(random);

@@ -7,7 +7,7 @@ using namespace glass_stack;
 
 constexpr const char* ids[] = {"transmittance_map", "stochastic_map", "moment_transmittance", "fourier_opacity"};
 
-class DepthCurves : public Rig {
+class DepthCurves : public TestRig {
  protected:
   /// The pixel nearest to the center of a receiver.
   static std::size_t pixel_of(const GBuffer& gbuffer, std::uint32_t receiver) {

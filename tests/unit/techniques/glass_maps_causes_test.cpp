@@ -8,7 +8,7 @@
 namespace glass_maps_causes_test {
 using namespace glass_maps_rig;
 
-class GlassMapsCauses : public Rig {};
+class GlassMapsCauses : public TestRig {};
 
 // By the oracle of the scene and of what the rule makes of it. A map that answers what is taken is wrong at just these pixels;
 // those of its own edges are few.

@@ -95,9 +95,9 @@ struct Rule {
 inline constexpr Rule rules[] = {{GlassAs::opaque, "opaque", "glass is taken for opaque"},
                                  {GlassAs::none, "none", "glass is left out"}};
 
-class Rig : public testing::Test {
+class TestRig : public testing::Test {
  protected:
-  Rig() { process_context(); }
+  TestRig() { process_context(); }
   void TearDown() override {
     EXPECT_EQ(state_differences(), std::vector<std::string>{});
     release_inputs();

@@ -6,7 +6,7 @@
 namespace glass_maps_test {
 using namespace glass_maps_rig;
 
-class GlassMaps : public Rig {};
+class GlassMaps : public TestRig {};
 
 struct Case {
   const char *id, *settings, *lights;

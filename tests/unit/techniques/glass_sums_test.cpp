@@ -10,7 +10,7 @@ namespace glass_sums_test {
 using namespace glass_maps_rig;
 using plate_stack::Plate;
 
-class GlassSums : public Rig {};
+class GlassSums : public TestRig {};
 
 /// Straight from above: of level sheets all points have one depth.
 const Light lights[] = {
@@ -67,7 +67,7 @@ TEST_F(GlassSums, masks_are_the_formulas_in_the_stack_on_paper) {
   for (const Case& one : cases) {
     const std::string settings =
         std::string(one.settings) + (*one.settings ? "," : "") + "depth_bias=0.01,slope_bias=0,resolution=512";
-    auto run = Rig::run(one.id, settings, scene, lights[0], gbuffer);
+    auto run = TestRig::run(one.id, settings, scene, lights[0], gbuffer);
     for (const Light& light : lights) {
       answer(run, light, gbuffer);
       int tested[5] = {};
@@ -114,10 +114,10 @@ TEST_F(GlassSums, textures_holes_and_opaque_texels_are_those_of_the_scene) {
     const std::vector<float> truth = decided(scene, light, gbuffer);
     ASSERT_GT(mean_error(scene, light, gbuffer, decided(bare, light, gbuffer), truth), 0.02) << "glass takes light";
     for (const char* const settings : {"overestimation=0", "overestimation=0,filter=bilinear"}) {
-      const auto run = Rig::run("moment_transmittance", settings, scene, light, gbuffer);
+      const auto run = TestRig::run("moment_transmittance", settings, scene, light, gbuffer);
       EXPECT_LT(mean_error(scene, light, gbuffer, run.mask, truth), 0.006) << settings << ' ' << light.name;
     }
-    const auto run = Rig::run("fourier_opacity", "terms=15", scene, light, gbuffer);
+    const auto run = TestRig::run("fourier_opacity", "terms=15", scene, light, gbuffer);
     EXPECT_LT(mean_error(scene, light, gbuffer, run.mask, truth), 0.02) << light.name;
   }
 }
@@ -144,7 +144,7 @@ TEST_F(GlassSums, textures_are_wrapped) {
   const GBuffer gbuffer = picture(scene);
   for (const Light& light : {sun, point}) {
     const std::vector<float> truth = decided(scene, light, gbuffer);
-    const auto run = Rig::run("moment_transmittance", "overestimation=0,resolution=2048", scene, light, gbuffer);
+    const auto run = TestRig::run("moment_transmittance", "overestimation=0,resolution=2048", scene, light, gbuffer);
     EXPECT_LT(mean_error(scene, light, gbuffer, run.mask, truth), 0.002) << light.name;
     EXPECT_GT(mean_error(scene, light, gbuffer, decided(other, light, gbuffer), truth), 0.02) << light.name;
   }
@@ -155,9 +155,9 @@ TEST_F(GlassSums, a_scene_without_glass_is_that_of_a_shadow_map) {
   const Scene scene = taken_for(GlassAs::opaque, glass_over_ground());
   const GBuffer gbuffer = picture(scene);
   for (const char* const settings : {"filter=nearest", "filter=bilinear"}) {
-    auto map = Rig::run("shadow_map", settings, scene, sun, gbuffer);
+    auto map = TestRig::run("shadow_map", settings, scene, sun, gbuffer);
     for (const char* const id : {"moment_transmittance", "fourier_opacity"}) {
-      auto run = Rig::run(id, settings, scene, sun, gbuffer);
+      auto run = TestRig::run(id, settings, scene, sun, gbuffer);
       for (const Light& light : scene.lights) {
         answer(map, light, gbuffer);
         answer(run, light, gbuffer);
@@ -187,8 +187,8 @@ TEST_F(GlassSums, a_curve_that_errs_is_named) {
     }
     return named;
   };
-  auto moments = Rig::run("moment_transmittance", "overestimation=0,resolution=512", scene, lights[0], gbuffer);
-  auto terms = Rig::run("fourier_opacity", "terms=3,resolution=512", scene, lights[0], gbuffer);
+  auto moments = TestRig::run("moment_transmittance", "overestimation=0,resolution=512", scene, lights[0], gbuffer);
+  auto terms = TestRig::run("fourier_opacity", "terms=3,resolution=512", scene, lights[0], gbuffer);
   for (const Light& light : lights) {
     answer(moments, light, gbuffer);
     EXPECT_EQ(count_named(*moments.technique, 0).first, 0) << light.name;
@@ -207,8 +207,8 @@ TEST_F(GlassSums, filtered_absorbance_is_named_at_the_edge_of_dark_glass) {
   const GBuffer gbuffer = picture(scene);
   const std::vector<float> truth = decided(scene, sun, gbuffer);
   for (const bool is_bilinear : {true, false}) {
-    const auto run =
-        Rig::run("moment_transmittance", is_bilinear ? "filter=bilinear,resolution=64" : "resolution=64", scene, sun, gbuffer);
+    const auto run = TestRig::run("moment_transmittance", is_bilinear ? "filter=bilinear,resolution=64" : "resolution=64",
+                                  scene, sun, gbuffer);
     int named = 0, others = 0;
     for (std::size_t i = 0; i < gbuffer.size(); ++i) {
       if (!faces_light(scene, gbuffer, sun, i) || std::abs(run.mask[i] - truth[i]) <= 0.05f) continue;
@@ -227,7 +227,7 @@ TEST_F(GlassSums, filtered_absorbance_is_named_at_the_edge_of_dark_glass) {
 TEST_F(GlassSums, debug_layers_are_drawn) {
   const Scene scene = stack();
   const GBuffer gbuffer = picture(scene);
-  const auto exact_before = Rig::run("moment_transmittance", "overestimation=0", scene, lights[0], gbuffer);
+  const auto exact_before = TestRig::run("moment_transmittance", "overestimation=0", scene, lights[0], gbuffer);
   const std::vector<float> curve = exact_before.technique->draw_debug("curve");
   std::vector<float> off(gbuffer.size(), 0);
   int colored = 0;

@@ -7,7 +7,7 @@
 namespace stencil_cut_test {
 using namespace stencil_rig;
 
-class StencilCut : public Rig {
+class StencilCut : public TestRig {
  protected:
   static GBuffer seen_of(const Scene& scene, const View& view) {
     return gnomon::make_gbuffer(scene, RayScene(scene, Truth::mesh, RayScene::Which::seen), view, 120, 80, Truth::mesh);

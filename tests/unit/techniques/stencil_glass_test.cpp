@@ -6,9 +6,9 @@
 
 namespace stencil_glass_test {
 using namespace glass_masks;
-using stencil_rig::Rig;
+using stencil_rig::TestRig;
 
-class StencilGlass : public Rig {};
+class StencilGlass : public TestRig {};
 
 const Light down = hand_made::sun({0, -1, 0});
 

@@ -22,7 +22,7 @@ using namespace volume_scenes;
 
 /// One object for all tests and each setup, since its shaders cost more than its pictures; every use begins at the defaults and
 /// at `build`.
-class Rig : public testing::Test {
+class TestRig : public testing::Test {
  protected:
   static void SetUpTestSuite() { process_context(); }
   static void TearDownTestSuite() { made_.clear(); }

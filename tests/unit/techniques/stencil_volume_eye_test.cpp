@@ -5,7 +5,7 @@
 namespace stencil_volume_eye_test {
 using namespace stencil_rig;
 
-class StencilVolumeEye : public Rig {};
+class StencilVolumeEye : public TestRig {};
 
 TEST_F(StencilVolumeEye, eye_inside_volumes_is_right_for_zfail_and_zpass_plus_and_said_to_be_wrong_for_zpass) {
   const Light lights[] = {{.name = "point", .kind = PointLight{{0.5f, 9, 0.25f}}},

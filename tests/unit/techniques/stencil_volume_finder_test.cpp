@@ -5,7 +5,7 @@
 namespace stencil_volume_finder_test {
 using namespace stencil_rig;
 
-class StencilVolumeFinder : public Rig {};
+class StencilVolumeFinder : public TestRig {};
 
 // Boxes beside each other have 6 of their 18 edges on the outline: more than the room that the device's finder begins with.
 TEST_F(StencilVolumeFinder, fresh_finder_has_room_for_every_outline) {

@@ -6,7 +6,7 @@
 namespace stencil_volume_test {
 using namespace stencil_rig;
 
-class StencilVolume : public Rig {};
+class StencilVolume : public TestRig {};
 
 // --- Agreement --------------------------------------------------------------------------------------------------------------
 

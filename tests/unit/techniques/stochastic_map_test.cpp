@@ -24,7 +24,7 @@ struct Spread {
 };
 double binomial(double share, double samples) { return std::sqrt(share * (1 - share) / samples); }
 
-class StochasticMap : public Rig {
+class StochasticMap : public TestRig {
  protected:
   /// Of the answers on each receiver of the stack.
   static std::array<Spread, 3> spreads(const std::vector<float>& mask, const GBuffer& gbuffer) {

@@ -14,7 +14,7 @@ using small_world::value;
 
 constexpr const char* id = "transmittance_map";
 
-class TransmittanceMap : public Rig {
+class TransmittanceMap : public TestRig {
  protected:
   static double mean_error(const std::string& settings, const Scene& scene, const Light& light, const GBuffer& gbuffer) {
     const std::vector<float> truth = decided(scene, light, gbuffer), mask = run(id, settings, scene, light, gbuffer).mask;

@@ -22,9 +22,9 @@ using Clock = std::chrono::steady_clock;
 using std::chrono::seconds;
 
 /// An engine and a person who looks at it.
-class Rig {
+class TestRig {
  public:
-  Rig() : engine_({.threads = 0, .plugins = {}, .program = tested_program()}, 60, [this] { wake(); }) {
+  TestRig() : engine_({.threads = 0, .plugins = {}, .program = tested_program()}, 60, [this] { wake(); }) {
     selection.sides = {SideSelection{.technique = "shadow_map", .settings = "resolution=256", .layer = ""},
                        SideSelection{.technique = "embree_rays", .settings = "", .layer = ""}};
     selection.width = 160;
@@ -120,7 +120,7 @@ void expect_as_rendered(const Selection& selection, const EngineState& state) {
 // Masks, reference, classes and causes are those of `gnomon render`, where it starts and after camera and light have moved. The
 // scene has curved shapes, so that causes need the truth of the mesh too.
 TEST(viewer_engine, shows_what_render_makes) {
-  Rig rig;
+  TestRig rig;
   rig.open("composite:object=sphere");
   expect_as_rendered(rig.selection, rig.finish());
   rig.selection.view.eye += glm::vec3(0.7f, -0.3f, 0.4f);
@@ -134,7 +134,7 @@ TEST(viewer_engine, shows_what_render_makes) {
 // All lights of a scene with curved shapes, of which one is moved: what stays where it is, is not traced again, and the picture
 // of all is still that of render. A depth map knows nothing of the lamp, which has an area: it casts no shadows.
 TEST(viewer_engine, shows_what_render_makes_of_several_lights) {
-  Rig rig;
+  TestRig rig;
   rig.open("composite:object=sphere");
   rig.selection.together = {rig.selection.light,
                             {.name = "moon", .kind = DirectionalLight{{1, -2, 0.5f}}, .intensity = 0.5f},
@@ -177,7 +177,7 @@ TEST(viewer_engine, shows_what_render_makes_of_several_lights) {
 // Error against samples is that of the settings themselves; nothing of the side changes, and the curve goes with the frame that
 // it is of. Of n random places the error falls as the square root of n: from 1 to 16 by 4, here by 3 at least.
 TEST(viewer_engine, measures_error_against_samples_beside_the_side) {
-  Rig rig;
+  TestRig rig;
   rig.open("composite:object=sphere");
   rig.selection.light = {.name = "lamp", .kind = SphereLight{{4, 9, 0}, 2}};
   rig.selection.width = 80;
@@ -217,7 +217,7 @@ TEST(viewer_engine, measures_error_against_samples_beside_the_side) {
 
 // While the camera moves frames may be smaller; once it rests they are not, and the mask is that of render.
 TEST(viewer_engine, full_frames_come_back_at_rest) {
-  Rig rig;
+  TestRig rig;
   rig.open("composite:object=cone");
   rig.finish();
   rig.selection.is_moving = true;
@@ -245,7 +245,7 @@ TEST(viewer_engine, redoes_only_what_a_parameter_spoils) {
   ASSERT_NE(row, rows.end());
   const std::vector<std::string> probes = (*row)->probes();
   const std::string other = probes[0] != (*row)->text() ? probes[0] : probes[1];
-  Rig rig;
+  TestRig rig;
   rig.open("composite:object=sphere");
   rig.selection.sides[0].settings = "";
   const EngineState before = rig.finish();
@@ -260,7 +260,7 @@ TEST(viewer_engine, redoes_only_what_a_parameter_spoils) {
 }
 
 TEST(viewer_engine, says_why_a_side_is_unsupported_and_goes_on) {
-  Rig rig;
+  TestRig rig;
   rig.open("fence");
   rig.selection.sides[0] = {.technique = "composite_planar", .settings = "", .layer = ""};
   const EngineState state = rig.finish();
@@ -274,7 +274,7 @@ TEST(viewer_engine, says_why_a_side_is_unsupported_and_goes_on) {
 // Who steps through a list and back has given the worker up and wants it again: whether it was at rest or in the middle of
 // something, it is interrupted, and that is no failure of the technique.
 TEST(viewer_engine, a_technique_left_for_a_moment_comes_back) {
-  Rig rig;
+  TestRig rig;
   rig.open("composite:object=sphere");
   rig.finish();
   for (const int ms : {0, 0, 1, 5, 20, 60}) {
@@ -293,7 +293,7 @@ TEST(viewer_engine, a_technique_left_for_a_moment_comes_back) {
 }
 
 TEST(viewer_engine, a_scene_that_cannot_be_loaded_leaves_the_one_before) {
-  Rig rig;
+  TestRig rig;
   rig.open("composite:object=sphere");
   rig.finish();
   rig.selection.scene = "composit";
@@ -306,7 +306,7 @@ TEST(viewer_engine, a_scene_that_cannot_be_loaded_leaves_the_one_before) {
 }
 
 TEST(viewer_engine, draws_layers_and_explains_the_picked_pixel) {
-  Rig rig;
+  TestRig rig;
   rig.open("composite:object=sphere");
   const EngineState plain = rig.finish();
   const auto tested = std::ranges::find(plain.reference->classes, PixelClass::T);
@@ -328,7 +328,7 @@ TEST(viewer_engine, draws_layers_and_explains_the_picked_pixel) {
 }
 
 TEST(viewer_engine, a_picked_pixel_behind_glass_has_the_curve_of_its_texel) {
-  Rig rig;
+  TestRig rig;
   rig.open("glass_stack");
   rig.selection.sides[0] = {.technique = "transmittance_map", .settings = "resolution=256", .layer = ""};
   const std::vector<float> mask = rig.finish().sides[0].answer->mask;
@@ -347,7 +347,7 @@ TEST(viewer_engine, a_picked_pixel_behind_glass_has_the_curve_of_its_texel) {
 
 // Of a stage that takes long, of a technique that tells, the share that is done grows while it lasts.
 TEST(viewer_engine, tells_how_far_a_long_stage_has_come) {
-  Rig rig;
+  TestRig rig;
   rig.open("cornell_box");
   rig.selection.light = *std::ranges::find(rig.selection.loaded->scene.lights, "ceiling", &Light::name);
 #ifdef __SANITIZE_THREAD__  // ten times as slow: the engine would give the stage up after a minute
@@ -375,7 +375,7 @@ TEST(viewer_engine, ends_in_the_middle_of_work) {
   for (const int ms : {0, 30, 150, 600}) {
     const auto start = Clock::now();
     {
-      Rig rig;
+      TestRig rig;
       rig.open("soup");
       rig.selection.width = 960;
       rig.selection.height = 540;
