@@ -1,4 +1,4 @@
-"""The metrics of `gnomon list metrics` a second time: in float64, from the definitions in docs/method.md, with no code of the program.
+"""The metrics of `gnomon list metrics` a second time: in float64, from docs/method.md and docs/glass.md, with no code of the program.
 
 `nan` stands for what is not defined, which is `null` in a record.
 """
@@ -12,6 +12,7 @@ from light_again import cosine, exposure, irradiance
 from numpy.lib.stride_tricks import sliding_window_view
 
 PIXELS_PER_DEGREE = 67
+STEP = float(np.float32(1 / 20))  # of fractions behind glass, in the place of 1/2; 0 is off by so much from 1/20 in a mask of float32
 
 
 # --- errors -----------------------------------------------------------------------------------------------------------------
@@ -38,10 +39,15 @@ def root_mean_square(values):
     return math.sqrt(mean(values**2))
 
 
+def is_glass(e):
+    """Whether the light has no area and a caster lets a part of it through: V has fractions, and a pixel that is off by 1/20 is wrong."""
+    return not e.has_area and any(mesh.get("transmission") for mesh in e.scene["meshes"])
+
+
 def is_wrong(e):
-    """Pixels whose |V - V_ref| is above 1/2, or is 1/2 with the reference above it."""
+    """Pixels whose |V - V_ref| is above 1/2, or is 1/2 with the reference above it; behind glass above 1/20."""
     off = np.abs(e.mask - e.reference)
-    return (off > 0.5) | ((off == 0.5) & (e.reference > 0.5))
+    return off > STEP if is_glass(e) else (off > 0.5) | ((off == 0.5) & (e.reference > 0.5))
 
 
 def error_rates(e):
@@ -72,20 +78,29 @@ def distances(marked):
     return np.sqrt(nearest)
 
 
-def beside_boundary(visibility, facing):
-    """Pixels that face the light and have one of their four neighbors, which does so too, on the other side of V = 1/2."""
-    lit = visibility > 0.5
-    marked = np.zeros(lit.shape, bool)
+def boundary(e, v):
+    """Pixels on the darker and on the lighter side of the boundary of V.
+
+    It runs between 4-neighbors that face the light and are on two sides of V = 1/2; behind glass between those that differ by more than 1/20.
+    """
+    dark, light = np.zeros((2, *v.shape), bool)
     for a, b in ((np.s_[:, 1:], np.s_[:, :-1]), (np.s_[1:], np.s_[:-1])):
-        crossed = (lit[a] != lit[b]) & facing[a] & facing[b]
-        marked[a] |= crossed
-        marked[b] |= crossed
-    return marked
+        differ = np.abs(v[a] - v[b]) > STEP if is_glass(e) else (v[a] > 0.5) != (v[b] > 0.5)
+        for one, other in ((a, b), (b, a)):
+            crossed = differ & e.facing[one] & e.facing[other]
+            dark[one] |= crossed & (v[one] < v[other])
+            light[one] |= crossed & (v[one] > v[other])
+    return dark, light
+
+
+def to_boundary(e):
+    """Distance of every pixel to the nearest one beside the boundary of the reference."""
+    return distances(np.logical_or(*boundary(e, e.reference)))
 
 
 def displacement(e):
     """Distances from the dark side of each boundary to the nearest pixel of the other's dark side: mean and 95th percentile, both ways together."""
-    ours, theirs = (beside_boundary(v, e.facing) & (v <= 0.5) for v in (e.mask, e.reference))
+    ours, theirs = (boundary(e, v)[0] for v in (e.mask, e.reference))
     both = np.concatenate([distances(theirs)[ours], distances(ours)[theirs]])
     both = both if both.size else np.zeros(1)  # neither has a boundary
     is_defined = np.isfinite(both).all()  # infinite where one of the two has none
@@ -96,7 +111,7 @@ def displacement(e):
 def binned_rates(e):
     """Wrong rate of the pixels of T in each bin: a bin holds what is above the end of the one before it, up to its own."""
     wrong = is_wrong(e)
-    edge = distances(beside_boundary(e.reference, e.facing))
+    edge = to_boundary(e)
     angle = np.degrees(np.arcsin(np.clip(cosine(e), -1, 1)))
     rates = {}
     for family, value, ends in (("edge", edge, [0, 1, 2, 4, 8, "up"]), ("angle", angle, [2, 10, 30, 60, 90])):
@@ -104,6 +119,28 @@ def binned_rates(e):
             inside = e.tested & ((value > low) | (k == 0)) & (value <= (math.inf if high == "up" else high))
             rates[f"wrong_rate_{family}_{low}_{high}"] = mean(wrong[inside])
     return rates
+
+
+def transmittance_errors(e, surfaces):
+    """Behind glass, of |V - V_ref| over T: root mean square and 95th percentile, and means by place and by number of surfaces on the way.
+
+    A way that meets something opaque has -1 surfaces, and is in none of these bins.
+    """
+    bins = {"0": (0, 0), "1": (1, 1), "2": (2, 2), "3_4": (3, 4), "5_up": (5, math.inf)}
+    names = [f"transmittance_error_{part}" for part in ("rms", "p95", "at_jumps", "off_jumps", *bins)]
+    if not is_glass(e):
+        return dict.fromkeys(names, math.nan)
+    off, at_jumps = np.abs(e.mask - e.reference)[e.tested], (to_boundary(e) <= 2)[e.tested]
+    counts = surfaces[e.tested]
+    values = [root_mean_square(off), float(np.percentile(off, 95)) if off.size else math.nan, mean(off[at_jumps]), mean(off[~at_jumps])]
+    return dict(zip(names, values + [mean(off[(counts >= low) & (counts <= high)]) for low, high in bins.values()]))
+
+
+def hue_error(channels):
+    """Mean of the largest less the smallest V - V_ref of the three channels, over the pixels that are T in all; not defined without channels."""
+    signed = np.array([e.mask - e.reference for e in channels])
+    tested = np.all([e.tested for e in channels], axis=0)
+    return mean(np.ptp(signed, axis=0)[tested]) if len(channels) == 3 else math.nan
 
 
 def eye_rays(e, dx, dy):
@@ -241,7 +278,7 @@ def width_and_shift(e):
 
 
 def penumbra_metrics(e):
-    """What is defined where the reference has penumbra, 0.02 < V < 0.98, at a pixel of T.
+    """What is defined where the reference of a light with area has penumbra, 0.02 < V < 0.98, at a pixel of T.
 
     The band is all within 2 px of a pixel that faces the light and has penumbra. Errors are |V - V_ref| over T in the band and outside it,
     areas are counts of pixels of T, and noise is V less its 5 x 5 median, over T in the band where the neighborhood is on one object.
@@ -260,7 +297,7 @@ def penumbra_metrics(e):
         "penumbra_area_ratio": share((tested & ours_penumbra).sum(), (tested & penumbra).sum()),
         "penumbra_noise": root_mean_square((ours - np.median(windows(ours, 5), axis=-1))[smooth]),
     } | width_and_shift(e)
-    return found if (penumbra & tested).any() else dict.fromkeys(found, math.nan)
+    return found if e.has_area and (penumbra & tested).any() else dict.fromkeys(found, math.nan)
 
 
 def penumbra_floors(e):
@@ -383,7 +420,12 @@ def likeness(e):
     return {"ssim": ssim(*pictures), "flip": flip(*pictures)}
 
 
-def measure(e):
-    """Every metric that a mask alone decides, by name."""
-    of_penumbra = penumbra_metrics(e) | penumbra_floors(e)
-    return error_rates(e) | displacement(e) | binned_rates(e) | shadow_area_ratio(e) | received_errors(e) | of_penumbra | likeness(e)
+def measure(e, surfaces=None):
+    """Every metric that a mask alone decides, by name; behind glass a mask and the number of surfaces on the way of each pixel."""
+    of_light = shadow_area_ratio(e) | received_errors(e) | transmittance_errors(e, surfaces)
+    return error_rates(e) | displacement(e) | binned_rates(e) | of_light | penumbra_metrics(e) | penumbra_floors(e) | likeness(e)
+
+
+def measure_row(found, channels):
+    """Of what is measured of each channel of a row the means, and the hue error of the channels. A gray row has one channel."""
+    return {name: sum(of[name] for of in found) / len(found) for name in found[0]} | {"hue_error": hue_error(channels)}
