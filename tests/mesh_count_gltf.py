@@ -1,7 +1,7 @@
 """Reader of glTF 2.0 and GLB for mesh_count.py: see mesh_count_plain.py for what it gives.
 
 Nodes of the scene that `scene` names; a file without it shows all nodes that are nobody's children, and what is below them. Meshes stand
-as the nodes do in the file, without animation: morph weights applied, and a skinned vertex is the weighted sum of (joint in the world *
+as the nodes do in the file; animations are checked and move nothing: morph weights applied, and a skinned vertex is the weighted sum of (joint in the world *
 its inverse bind matrix) * vertex. Rotations are taken as unit quaternions, whatever their digits are. What the file requires and is not
 in SUPPORTED is refused, and so is glTF 1.0.
 """
@@ -17,6 +17,7 @@ import numpy as np
 SUPPORTED = ("KHR_mesh_quantization", "EXT_mesh_gpu_instancing", "KHR_materials_", "KHR_lights_punctual", "KHR_texture_", "EXT_texture_", "MSFT_texture_")
 COMPONENTS = {5120: "<i1", 5121: "<u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
 WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT2": 4, "MAT3": 9, "MAT4": 16}
+PATH_WIDTHS = {"translation": 3, "rotation": 4, "scale": 3, "weights": 1}  # of weights as many as there are morph targets
 POINTS, LINES, LINE_LOOP, LINE_STRIP, TRIANGLES, TRIANGLE_STRIP, TRIANGLE_FAN = range(7)
 
 
@@ -230,8 +231,41 @@ def primitive_indices(document, primitive, vertex_count):
     return indices
 
 
+def check_animations(document):
+    """Refuses keys that make no sense. Channels without a node, those of extensions among them, may be anything."""
+    for animation in document.json.get("animations", []):
+        moved = set()
+        for channel in animation.get("channels", []):
+            target = channel["target"]
+            path = target.get("path")
+            if path == "pointer" or "node" not in target:
+                continue
+            node = item(document.nodes, target["node"], "node")
+            if path not in PATH_WIDTHS or ("matrix" in node and path != "weights") or (target["node"], path) in moved:
+                raise ValueError(f"an animation moves the {path} of node {target['node']}, which it may not, or not twice")
+            moved.add((target["node"], path))
+            width = PATH_WIDTHS[path]
+            if path == "weights":
+                primitives = item(document.json["meshes"], node["mesh"], "mesh")["primitives"] if "mesh" in node else []
+                width = next((len(primitive["targets"]) for primitive in primitives if primitive.get("targets")), 0)
+            if width:
+                check_keys(document, item(animation.get("samplers", []), channel.get("sampler"), "sampler"), path, width)
+
+
+def check_keys(document, sampler, path, width):
+    parts = {"LINEAR": 1, "STEP": 1, "CUBICSPLINE": 3}.get(sampler.get("interpolation", "LINEAR"))
+    times, values = document.accessor(sampler["input"]).ravel(), document.accessor(sampler["output"])
+    if not (parts and len(times) and np.isfinite(times).all() and times[0] >= 0 and (np.diff(times) >= 0).all()):
+        raise ValueError("an animation has times that do not ascend, or no interpolation that there is")
+    if values.shape != (len(times) * parts * (width if path == "weights" else 1), 1 if path == "weights" else width) or not np.isfinite(values).all():
+        raise ValueError("an animation has values that are not finite, or not as many as its times")
+    if path == "rotation" and not values.reshape(-1, parts, 4)[:, parts // 2].any(1).all():
+        raise ValueError("an animation has a rotation of length 0")
+
+
 def read(file, data):
     document = Document(file, data)
+    check_animations(document)
     for index in document.shown():
         node = document.nodes[index]
         if "mesh" not in node:

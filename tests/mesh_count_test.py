@@ -138,6 +138,20 @@ class MeshCount(unittest.TestCase):
         twice = {"EXT_mesh_gpu_instancing": {"attributes": {"TRANSLATION": 1, "SCALE": 2}}}
         self.check(".gltf", gltf([POINTS[:3], *places], {}, nodes=[{"mesh": 0, "translation": [0, 0, 1], "extensions": twice}]), 2, [12, 4, 1])
 
+    def test_gltf_with_animations_stands_as_its_nodes_do(self):
+        def animated(times, values, path="translation", **sampler):
+            arrays = [POINTS[:3], np.array(times, "f4"), np.array(values, "f4")]
+            channel = {"sampler": 0, "target": {"node": 0, "path": path}}
+            return gltf(arrays, {}, animations=[{"samplers": [{"input": 1, "output": 2} | sampler], "channels": [channel]}])
+
+        self.check(".gltf", animated([0, 1], [[0, 0, 0], [9, 9, 9]]), 1, [1, 2, 0])
+        self.check(".gltf", animated([1, 0], [[0, 0, 0], [9, 9, 9]]), None, "do not ascend")
+        self.check(".gltf", animated([0], [[0, 0, 0]], interpolation="SPLINE"), None, "no interpolation")
+        self.check(".gltf", animated([0], [[0, 0, 0]], interpolation="CUBICSPLINE"), None, "as many as its times")
+        self.check(".gltf", animated([0], [[0, np.inf, 0]]), None, "not finite")
+        self.check(".gltf", animated([0], [[0, 0, 0, 0]], "rotation"), None, "length 0")
+        self.check(".gltf", animated([0], [[0, 0, 0]], "color"), None, "color")
+
     def test_gltf_that_needs_more_is_refused(self):
         self.check(".gltf", gltf([POINTS], {}, extensionsRequired=["KHR_draco_mesh_compression"]), None, "requires KHR_draco")
         self.check(".gltf", gltf([POINTS], {}, asset={"version": "1.0"}), None, "version is 1.0")

@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "measure/scene/channels.h"
+#include "measure/scene/pose.h"
 #include "measure/scene/scene_json.h"
 #include "report/listing.h"
 #include "report/table/text_table.h"
@@ -120,9 +121,55 @@ std::string transmission_table(const Scene& scene, std::size_t width) {
   return text;
 }
 
+/// Numbers of the meshes that an animation moves, ascending.
+std::vector<std::uint32_t> moved_meshes(const Motion& motion, const Animation& animation) {
+  const std::vector<bool> moved = moved_rigs(motion, animation);
+  std::vector<std::uint32_t> meshes;
+  for (std::size_t r = 0; r < moved.size(); ++r)
+    if (moved[r]) meshes.push_back(motion.rigs[r].mesh);
+  std::ranges::sort(meshes);
+  return meshes;
+}
+
+std::size_t key_count(const Animation& animation) {
+  std::size_t count = 0;
+  for (const Track& track : animation.tracks) count += track.times.size();
+  return count;
+}
+
+/// Empty for a scene that stands still.
+std::string animation_table(const Scene& scene, std::size_t width) {
+  if (!scene.motion) return "";
+  TextTable table({{"animation", ""},
+                   {"ends", "s", Align::right},
+                   {"tracks", "", Align::right},
+                   {"keys", "", Align::right},
+                   {"meshes", "", Align::right},
+                   {"first mesh", ""}});
+  constexpr std::size_t shown = 40;
+  const std::vector<Animation>& animations = scene.motion->animations;
+  for (const Animation& animation : std::span(animations).first(std::min(shown, animations.size()))) {
+    const std::vector<std::uint32_t> meshes = moved_meshes(*scene.motion, animation);
+    table.add_row({animation.name, fmt::format("{:g}", animation.end()), std::to_string(animation.tracks.size()),
+                   std::to_string(key_count(animation)), std::to_string(meshes.size()),
+                   meshes.empty() ? "-" : scene.meshes.at(meshes.front()).name});
+  }
+  std::string text = '\n' + table.text(width);
+  if (animations.size() > shown) text += fmt::format("and {} more\n", animations.size() - shown);
+  return text;
+}
+
+Json animation_json(const Motion& motion, const Animation& animation) {
+  return {{"name", animation.name},
+          {"seconds", animation.end()},
+          {"tracks", animation.tracks.size()},
+          {"keys", key_count(animation)},
+          {"meshes", moved_meshes(motion, animation)}};
+}
+
 /// The generator that a reference names; null for files.
 const SceneEntry* generator_of(const std::string& reference) {
-  return registry().find_scene(reference.substr(0, reference.find(':')));
+  return registry().find_scene(reference.substr(0, reference.find_first_of(":@")));
 }
 
 Json mesh_json(const Mesh& mesh) {
@@ -173,8 +220,8 @@ std::string describe_text(const std::string& reference, const Scene& scene, std:
     lights.add_row({light.name, std::string(kind_name(light)), words(scene_keys(light))});
   TextTable views({{"view", ""}, {"keys of a scene file", "meters"}});
   for (const View& view : scene.views) views.add_row({view.name, words(scene_keys(view))});
-  return text + fmt::format("\n{}\n{}\n{}{}{}", lights.text(width), views.text(width), mesh_table(scene, width),
-                            mask_table(scene, width), transmission_table(scene, width));
+  return text + fmt::format("\n{}\n{}\n{}{}{}{}", lights.text(width), views.text(width), mesh_table(scene, width),
+                            mask_table(scene, width), transmission_table(scene, width), animation_table(scene, width));
 }
 
 Json describe_json(const std::string& reference, const Scene& scene) {
@@ -189,10 +236,13 @@ Json describe_json(const std::string& reference, const Scene& scene) {
     json["summary"] = entry->about.summary;
     json["parameters"] = parameters_json(*entry->make());
   }
-  for (const char* list : {"lights", "views", "meshes"}) json[list] = Json::array();
+  for (const char* list : {"lights", "views", "meshes", "animations"}) json[list] = Json::array();
   for (const Light& light : whole_lights(scene.lights)) json["lights"].push_back(scene_json(light));
   for (const View& view : scene.views) json["views"].push_back(scene_json(view));
   for (const Mesh& mesh : scene.meshes) json["meshes"].push_back(mesh_json(mesh));
+  if (scene.motion)
+    for (const Animation& animation : scene.motion->animations)
+      json["animations"].push_back(animation_json(*scene.motion, animation));
   return json;
 }
 

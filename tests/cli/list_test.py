@@ -78,7 +78,8 @@ class Lists(ProgramTest):
         for kind, keys in kinds.items():
             text += f'[[light]]\nname = "a_{kind}"\nkind = "{kind}"\n' + "".join(f"{key} = {value}\n" for key, value in keys.items())
         described = json.loads(self.succeed("describe", self.write("all.toml", text), "--json"))
-        self.assertEqual(list(described), ["scene", "triangles", "bounds", "notes", "summary", "parameters", "lights", "views", "meshes"])
+        self.assertEqual(list(described), ["scene", "triangles", "bounds", "notes", "summary", "parameters", "lights", "views", "meshes",
+                                           "animations"])
         self.assertEqual({light["kind"]: list(light) for light in described["lights"]},
                          {kind: ["name", "kind", *keys, "intensity"] for kind, keys in kinds.items()})
         for light in described["lights"]:

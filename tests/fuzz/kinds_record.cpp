@@ -53,6 +53,39 @@ std::string small_answer() {
   return text_of(writer.bytes);
 }
 
+/// A strip with a skin, a morph target and a mesh that turns.
+std::string moving_answer() {
+  importing::MeshFile file;
+  file.motion.nodes.resize(3);
+  file.motion.nodes[0].weights = {0.5};
+  file.motion.nodes[2].parent = 1;
+  file.motion.skins.push_back({.joints = {1, 2}, .inverse_bind = {glm::dmat4(1), glm::dmat4(1)}});
+  const auto track = [](std::uint32_t node, Track::Property property, std::vector<double> values) {
+    return Track{.node = node, .property = property, .times = {0, 1}, .values = std::move(values)};
+  };
+  file.motion.animations.push_back(
+      {.name = "bend",
+       .tracks = {track(0, Track::Property::weights, {0, 1}), track(1, Track::Property::rotation, {0, 0, 0, 1, 0, 0.6, 0, 0.8}),
+                  track(2, Track::Property::translation, {0, 0, 0, 0, 1, 0})}});
+  for (const bool has_skin : {true, false}) {
+    importing::ImportedMesh& mesh = file.meshes.emplace_back();
+    mesh.name = has_skin ? "strip" : "sheet";
+    mesh.places = {glm::dmat4(1)};
+    mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+    mesh.add_triangle(0, 1, 2);
+    mesh.nodes = {has_skin ? 0u : 2u};
+    if (!has_skin) continue;
+    mesh.skin = 0;
+    mesh.targets = {{0, 0, 1}, {0, 0, 0}, {0, 0, 2}};
+    mesh.joints_per_vertex = 2;
+    mesh.joints = {0, 1, 0, 1, 1, 0};
+    mesh.weights = {0.25, 0.75, 1, 0, 1, 0};
+  }
+  FieldWriter writer;
+  importing::visit_file(writer, std::as_const(file));
+  return text_of(writer.bytes);
+}
+
 std::string small_explanations() {
   Explanation why;
   why.taps = {Tap{.origin = {0, 5, 0}, .direction = {0, -1, 0}, .weight = 0.5, .stored = 2}};
@@ -135,7 +168,7 @@ Outcome read_blob(const fs::path& file, const std::string& bytes) {
 }
 
 std::vector<Input> written_seeds(const std::string& kind, const fs::path& scratch) {
-  if (kind == "answer") return {{0, "small.answer", small_answer()}};
+  if (kind == "answer") return {{0, "small.answer", small_answer()}, {0, "moving.answer", moving_answer()}};
   if (kind == "blob")
     return {{0, "small.scene", text_of(scene_bytes(small_scene()))},
             {0, "masked.scene", text_of(scene_bytes(masked_scene()))},

@@ -1,6 +1,7 @@
 #pragma once
 #include <gnomon/alpha_mask.h>
 #include <gnomon/light.h>
+#include <gnomon/motion.h>
 #include <gnomon/transmission.h>
 
 #include <cstdint>
@@ -141,9 +142,11 @@ struct Scene {
   std::string name;
   float ambient = 0.15f;  ///< constant ambient term of the shaded picture
   std::vector<Mesh> meshes;
-  std::vector<Light> lights;       ///< at least one, names unique
-  std::vector<View> views;         ///< at least one, names unique
-  std::vector<Path> paths;         ///< motions for suites that ask for them; names unique
+  std::vector<Light> lights;  ///< at least one, names unique
+  std::vector<View> views;    ///< at least one, names unique
+  std::vector<Path> paths;    ///< motions for suites that ask for them; names unique
+  /// How meshes move; null: they stand still. Positions are those of the rest pose, as the file has it.
+  std::shared_ptr<const Motion> motion;
   std::vector<std::string> notes;  ///< what the loader did on its own account: framing camera, dropped triangles, ...
 
   std::size_t triangle_count() const;

@@ -1,32 +1,26 @@
 #include "measure/formats/gltf_mesh.h"
 
 #include <algorithm>
-#include <cmath>
-#include <glm/gtc/type_ptr.hpp>
 #include <numeric>
 
 #include "measure/formats/readers.h"
 
 namespace gnomon::importing {
 
-/// One primitive of one node's mesh.
-struct GltfMeshes::Primitive {
-  const Json &node, &mesh, &json;
-  std::string where, name;
-};
-
-void GltfMeshes::add(std::size_t node, std::size_t index, const std::vector<glm::dmat4>& places) {
+void GltfMeshes::add(std::size_t node, std::size_t index) {
   const Json& mesh = file_.item("meshes", index);
   const Json* primitives = list_in(mesh, "primitives");
   if (!primitives) throw Error("{}: mesh {} has no primitives", file_.name(), index);
   const Json& owner = file_.item("nodes", node);
   std::string name = file_.text(mesh, "name");
   if (name.empty()) name = file_.text(owner, "name");
+  const std::vector<glm::dmat4> places = tree_.places(node);
   for (std::size_t p = 0; p < primitives->size(); ++p) {
     const std::string where = fmt::format("mesh {}, primitive {}", index, p);
     if (!primitives->at(p).is_object()) throw Error("{}: {} is no object", file_.name(), where);
-    add_primitive({owner, mesh, primitives->at(p), where, primitives->size() > 1 ? fmt::format("{}-{}", name, p) : name},
-                  places);
+    add_primitive(
+        {owner, mesh, primitives->at(p), node, index, where, primitives->size() > 1 ? fmt::format("{}-{}", name, p) : name},
+        places);
   }
 }
 
@@ -43,15 +37,32 @@ void drop_unused_vertices(ImportedMesh& mesh) {
   std::vector<std::uint32_t> place(mesh.positions.size(), unused);
   for (const std::uint32_t corner : mesh.corners) place[corner] = 0;
   std::uint32_t count = 0;
-  for (std::size_t v = 0; v < place.size(); ++v) {
-    if (place[v] == unused) continue;
-    mesh.positions[count] = mesh.positions[v];
-    if (!mesh.uv.empty()) mesh.uv[count] = mesh.uv[v];
-    place[v] = count++;
-  }
-  mesh.positions.resize(count);
-  if (!mesh.uv.empty()) mesh.uv.resize(count);
+  for (std::uint32_t& number : place)
+    if (number != unused) number = count++;
+  // Each list holds `width` items of every vertex, and some hold that several times: targets one after the other.
+  const auto keep_used = [&](auto& items, std::size_t width) {
+    if (items.empty() || width == 0) return;
+    const std::size_t size = width * place.size(), times = items.size() / size;
+    for (std::size_t t = 0; t < times; ++t)
+      for (std::size_t v = 0; v < place.size(); ++v)
+        if (place[v] != unused)
+          for (std::size_t k = 0; k < width; ++k) items[width * (t * count + place[v]) + k] = items[t * size + width * v + k];
+    items.resize(times * width * count);
+  };
+  keep_used(mesh.positions, 1);
+  keep_used(mesh.uv, 1);
+  keep_used(mesh.base, 1);
+  keep_used(mesh.targets, 1);
+  keep_used(mesh.joints, mesh.joints_per_vertex);
+  keep_used(mesh.weights, mesh.joints_per_vertex);
   for (std::uint32_t& corner : mesh.corners) corner = place[corner];
+}
+
+void drop_motion(ImportedMesh& mesh) {
+  mesh.base = mesh.targets = {};
+  mesh.joints_per_vertex = 0;
+  mesh.joints = {};
+  mesh.weights = {};
 }
 
 }  // namespace
@@ -62,111 +73,40 @@ void GltfMeshes::add_primitive(const Primitive& primitive, const std::vector<glm
   const std::string key = fmt::format("{} {}", primitive.where, primitive.name);
   const bool is_posed = primitive.node.contains("skin") || primitive.node.contains("weights");
   if (const auto known = known_.find(key); known != known_.end() && !is_posed) {
-    std::vector<glm::dmat4>& there = answer_.meshes[known->second].places;
-    there.insert(there.end(), places.begin(), places.end());
-    return;
+    ImportedMesh& mesh = answer_.meshes[known->second];
+    mesh.places.insert(mesh.places.end(), places.begin(), places.end());
+    return add_origin(primitive, mesh, origins_[known->second]);
   }
   ImportedMesh mesh;
   mesh.name = primitive.name;
-  mesh.positions = positions(primitive);
+  add_positions(primitive, mesh);
   add_faces(primitive, mesh.positions.size(), mesh);
   if (mesh.corner_counts.empty()) return;
   read_material(primitive, mesh);
+  Origin origin;
+  add_origin(primitive, mesh, origin);
   const auto skin = file_.index(primitive.node, primitive.where, "skin");
-  if (skin) pose(primitive, *skin, mesh.positions);
+  if (skin) {
+    if (origin.is_moved && mesh.base.empty()) mesh.base = mesh.positions;
+    add_joints(primitive, motion_.skin(*skin).joints.size(), mesh);
+    pose(*skin, mesh);
+    if (origin.is_moved)
+      mesh.skin = motion_.number_of_skin(*skin);
+    else
+      drop_motion(mesh);
+  }
   mesh.places = skin ? std::vector{glm::dmat4(1)} : places;  // the joints alone place a mesh with a skin
   if (!is_posed) known_.emplace(key, answer_.meshes.size());
+  check_targets(primitive, mesh);
   drop_unused_vertices(mesh);
   answer_.meshes.push_back(std::move(mesh));
+  origins_.push_back(std::move(origin));
 }
 
-/// Of the node, else of the mesh, else 0.
-std::vector<double> GltfMeshes::weights(const Primitive& primitive, std::size_t target_count) const {
-  std::vector<double> weights = file_.numbers(primitive.node, primitive.where, "weights", 0);
-  if (weights.empty()) weights = file_.numbers(primitive.mesh, primitive.where, "weights", 0);
-  if (weights.empty()) weights.resize(target_count);
-  if (weights.size() != target_count)
-    throw Error("{}: {} has {} morph targets and {} weights", file_.name(), primitive.where, target_count, weights.size());
-  return weights;
-}
-
-std::vector<glm::dvec3> GltfMeshes::positions(const Primitive& primitive) {
-  const std::size_t accessor = *attribute(primitive, "POSITION");
-  if (file_.extension_of(primitive.json, "KHR_draco_mesh_compression") &&
-      !file_.item("accessors", accessor).contains("bufferView"))
-    throw Error("{}: {} is compressed by KHR_draco_mesh_compression, which is not read", file_.name(), primitive.where);
-  if (!last_ || last_->first != accessor) last_.emplace(accessor, file_.read(accessor, 3));  // primitives may share it
-  const Numbers& numbers = last_->second;
-  std::vector<glm::dvec3> positions(numbers.count);
-  for (std::size_t v = 0; v < numbers.count; ++v) positions[v] = numbers.vector(v);
-
-  const Json* targets = list_in(primitive.json, "targets");
-  if (!targets) return positions;
-  const std::vector<double> shares = weights(primitive, targets->size());
-  for (std::size_t t = 0; t < targets->size(); ++t) {
-    if (shares[t] == 0) continue;
-    const auto moves = file_.index(targets->at(t), fmt::format("{}, target {}", primitive.where, t), "POSITION");
-    if (!moves) continue;
-    const Numbers target = file_.read(*moves, 3);
-    if (target.count != numbers.count)
-      throw Error("{}: {}, target {} moves {} vertices of {}", file_.name(), primitive.where, t, target.count, numbers.count);
-    for (std::size_t v = 0; v < numbers.count; ++v) positions[v] += shares[t] * target.vector(v);
-  }
-  return positions;
-}
-
-std::vector<glm::dmat4> GltfMeshes::joints(std::size_t skin) const {
-  const Json& json = file_.item("skins", skin);
-  const std::string where = fmt::format("skin {}", skin);
-  std::vector<glm::dmat4> matrices;
-  for (const double name : file_.numbers(json, where, "joints", 0)) {
-    if (!(name >= 0 && name < static_cast<double>(nodes_.size()) && name == std::floor(name)))
-      throw Error("{}: {} names node {} of {}", file_.name(), where, name, nodes_.size());
-    matrices.push_back(nodes_[static_cast<std::size_t>(name)]);
-  }
-  const auto inverse = file_.index(json, where, "inverseBindMatrices");  // the identity without them
-  if (!inverse) return matrices;
-  const Numbers numbers = file_.read(*inverse, 16);
-  if (numbers.count < matrices.size())
-    throw Error("{}: {} has {} joints and {} inverse bind matrices", file_.name(), where, matrices.size(), numbers.count);
-  for (std::size_t j = 0; j < matrices.size(); ++j) matrices[j] *= glm::make_mat4(&numbers.values[16 * j]);
-  return matrices;
-}
-
-/// Places each vertex by the weighted sum of its joints' matrices.
-void GltfMeshes::pose(const Primitive& primitive, std::size_t skin, std::vector<glm::dvec3>& positions) {
-  if (!last_skin_ || last_skin_->first != skin) last_skin_.emplace(skin, joints(skin));
-  const std::vector<glm::dmat4>& matrices = last_skin_->second;
-  std::vector<glm::dmat4> sums(positions.size(), glm::dmat4(0));
-  std::vector<double> weight_sums(positions.size());
-  for (int set = 0;; ++set) {
-    const auto joint_accessor = attribute(primitive, fmt::format("JOINTS_{}", set).c_str());
-    const auto weight_accessor = attribute(primitive, fmt::format("WEIGHTS_{}", set).c_str());
-    if (!joint_accessor || !weight_accessor) {
-      if (set == 0 || joint_accessor != weight_accessor)
-        throw Error("{}: {} has a skin but not both JOINTS_{} and WEIGHTS_{}", file_.name(), primitive.where, set, set);
-      break;
-    }
-    double largest = 0;
-    const Numbers joint = file_.read_indices(*joint_accessor, 4, largest), weight = file_.read(*weight_accessor, 4);
-    if (joint.count != positions.size() || weight.count != positions.size())
-      throw Error("{}: {} has {} vertices, joints for {} and weights for {}", file_.name(), primitive.where, positions.size(),
-                  joint.count, weight.count);
-    for (std::size_t v = 0; v < positions.size(); ++v)
-      for (std::size_t k = 0; k < 4; ++k) {
-        if (weight.at(v, k) == 0) continue;
-        if (joint.at(v, k) >= static_cast<double>(matrices.size()))
-          throw Error("{}: {}, vertex {} names joint {} of {}", file_.name(), primitive.where, v, joint.at(v, k),
-                      matrices.size());
-        sums[v] += weight.at(v, k) * matrices[static_cast<std::size_t>(joint.at(v, k))];
-        weight_sums[v] += weight.at(v, k);
-      }
-  }
-  for (std::size_t v = 0; v < positions.size(); ++v) {
-    positions[v] = glm::dvec3(sums[v] * glm::dvec4(positions[v], 1));
-    constexpr double rounding = 0.01;  // four weights of 8 bits are off by this much at most
-    odd_weights_ += !(std::abs(weight_sums[v] - 1) <= rounding);
-  }
+void GltfMeshes::add_origin(const Primitive& primitive, const ImportedMesh& mesh, Origin& origin) const {
+  origin.nodes.push_back(primitive.node_index);
+  origin.is_moved |= motion_.moves(primitive.node_index);
+  origin.is_moved |= motion_.morphs(primitive.node_index) && !mesh.targets.empty();
 }
 
 void GltfMeshes::add_faces(const Primitive& primitive, std::size_t vertex_count, ImportedMesh& mesh) {
@@ -284,7 +224,12 @@ void GltfMeshes::count_vertex_colors(const Primitive& primitive, const ImportedM
   }
 }
 
-void GltfMeshes::note() {
+void GltfMeshes::finish() {
+  for (std::size_t m = 0; m < answer_.meshes.size(); ++m) {
+    if (!origins_[m].is_moved) drop_motion(answer_.meshes[m]);
+    for (const std::size_t node : origins_[m].nodes)
+      if (origins_[m].is_moved) motion_.place(node, answer_.meshes[m]);
+  }
   answer_.note(points_and_lines_, "points and lines are left out");
   answer_.note(without_positions_, "primitives have no positions and are left out");
   answer_.note(odd_weights_, "vertices have weights of joints whose sum is not 1, and are used as they are");

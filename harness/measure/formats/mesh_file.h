@@ -2,6 +2,7 @@
 // The contents of a mesh file, as its reader returns them to the importer: nothing is placed, no face is split.
 #include <gnomon/alpha_mask.h>
 #include <gnomon/error.h>
+#include <gnomon/motion.h>
 
 #include <array>
 #include <cstddef>
@@ -13,6 +14,8 @@
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include "measure/formats/motion_fields.h"
 
 namespace gnomon::importing {
 
@@ -66,6 +69,16 @@ struct ImportedMesh : ImportedMaterial {
   std::vector<std::uint32_t> corner_counts;  ///< one per face
   std::vector<std::uint32_t> corners;        ///< vertex indices of all faces, one after the other
 
+  /// Of a mesh that an animation of the file moves, the node of each place; empty otherwise. `positions` and `places` are those
+  /// of the file's own pose all the same.
+  std::vector<std::uint32_t> nodes;
+  std::uint32_t skin = Rig::no_skin;  ///< of MeshFile::motion
+  // As in Rig; `base` is empty where it is `positions`.
+  std::vector<glm::dvec3> base, targets;
+  std::uint32_t joints_per_vertex = 0;
+  std::vector<std::uint32_t> joints;
+  std::vector<double> weights;
+
   void add_face(std::span<const std::uint32_t> face);
   void add_triangle(std::uint32_t a, std::uint32_t b, std::uint32_t c) { add_face(std::array{a, b, c}); }
 };
@@ -89,6 +102,7 @@ struct MeshFile {
   std::vector<ImportedCamera> cameras;
   std::vector<ImportedLight> lights;
   std::vector<MaskImage> mask_images;
+  Motion motion;                   ///< without rigs, which the importer makes; empty where no animation moves a mesh
   std::vector<std::string> notes;  ///< what the file contains and the scene does not: "3 camera elements are left out"
   std::string failure;             ///< why nothing could be read; empty where something was
 
@@ -100,7 +114,8 @@ struct MeshFile {
 void visit_file(auto& io, auto& file) {
   io.list(file.meshes, [](auto& sub, auto& mesh) {
     sub(mesh.name, mesh.places, mesh.has_color, mesh.has_texture, mesh.is_transparent, mesh.color, mesh.positions,
-        mesh.corner_counts, mesh.corners, mesh.mask, mesh.transmission, mesh.uv);
+        mesh.corner_counts, mesh.corners, mesh.mask, mesh.transmission, mesh.uv, mesh.nodes, mesh.skin, mesh.base, mesh.targets,
+        mesh.joints_per_vertex, mesh.joints, mesh.weights);
   });
   io.list(file.cameras, [](auto& sub, auto& camera) { sub(camera.name, camera.eye, camera.forward, camera.up, camera.fov_y); });
   io.list(file.lights, [](auto& sub, auto& light) {
@@ -108,6 +123,7 @@ void visit_file(auto& io, auto& file) {
   });
   io.list(file.mask_images,
           [](auto& sub, auto& image) { sub(image.name, image.width, image.height, image.alpha, image.colors, image.failure); });
+  visit_motion(io, file.motion);
   io.list(file.notes, [](auto& sub, auto& note) { sub(note); });
   io(file.failure);
 }

@@ -30,7 +30,8 @@ glm::dvec3 usable_direction(const glm::dvec3& v);
 /// Descriptions that are being read, outermost first: each names the next as its `scene`.
 using Descriptions = std::vector<std::filesystem::path>;
 
-/// Reads what a reference names: neither finished nor framed. `above` are the descriptions that led here.
+/// Reads what a reference names, posed where it has a time: neither finished nor framed. `above` are the descriptions that led
+/// here.
 Scene read_scene(const std::string& reference, const Descriptions& above);
 /// Reads a description. An unknown key is an Error with the nearest valid key, file and line.
 Scene read_scene_toml(const std::filesystem::path& file, const Descriptions& above = {});

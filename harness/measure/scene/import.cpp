@@ -1,20 +1,20 @@
 // Imports a mesh file. A child process reads it, because importers crash on damaged files. This side checks all that the child
-// sends, and places, rounds and triangulates itself.
+// sends, and places (import_vertices.cpp), rounds and triangulates itself.
 #include "measure/scene/import.h"
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <cstdlib>
 #include <iterator>
-#include <limits>
 #include <numbers>
 
 #include "measure/paths.h"
 #include "measure/printable.h"
 #include "measure/scene/base_scene.h"
 #include "measure/scene/import_masks.h"
+#include "measure/scene/import_motion.h"
 #include "measure/scene/import_transmission.h"
+#include "measure/scene/import_vertices.h"
 #include "measure/scene/load.h"
 #include "measure/scene/names.h"
 
@@ -22,24 +22,6 @@ namespace gnomon {
 
 namespace fs = std::filesystem;
 using namespace importing;
-
-glm::dvec3 Placement::apply(const glm::dvec3& p) const {
-  glm::dvec3 q = scale * p;
-  for (int axis = 0; axis < 3; ++axis) {
-    if (rotate_degrees[axis] == 0) continue;
-    // Quarter turns are exact: cos(90 degrees) is 0, not 6e-17.
-    const double turns = std::remainder(rotate_degrees[axis], 360.0) / 90;
-    const double angle = glm::radians(rotate_degrees[axis]);
-    const bool quarter = turns == std::round(turns);
-    const double c = quarter ? std::round(std::cos(angle)) : std::cos(angle);
-    const double s = quarter ? std::round(std::sin(angle)) : std::sin(angle);
-    const int u = (axis + 1) % 3, v = (axis + 2) % 3;
-    const double qu = q[u], qv = q[v];
-    q[u] = c * qu - s * qv;
-    q[v] = s * qu + c * qv;
-  }
-  return q + translate;
-}
 
 namespace {
 
@@ -55,109 +37,45 @@ void check_file(const fs::path& file) {
 /// Whether this process has threads beside the one that runs.
 bool has_other_threads() { return std::distance(fs::directory_iterator("/proc/self/task"), fs::directory_iterator()) > 1; }
 
-/// How far numbers reach, and whether steps between those that float32 keeps can be seen.
-struct Reach {
-  double farthest = 0;
-  glm::dvec3 low{std::numeric_limits<double>::max()}, high{std::numeric_limits<double>::lowest()};
-  bool is_float = true;  ///< whether all are numbers of float32 already
-  void add(const glm::dvec3& p) {
-    const glm::dvec3 size = glm::abs(p);
-    farthest = std::max({farthest, size.x, size.y, size.z});
-    low = glm::min(low, p);
-    high = glm::max(high, p);
-    is_float = is_float && glm::dvec3(glm::vec3(p)) == p;
-  }
-  double step() const { return farthest * std::numeric_limits<float>::epsilon() / 2; }
-  bool is_coarse() const {
-    constexpr double parts = 4096;  // a picture is not much wider
-    return step() * parts > std::max({high.x - low.x, high.y - low.y, high.z - low.z});
-  }
-};
-
-/// Counts for the scene's notes, over all meshes of a file.
-struct NoteCounts {
-  std::size_t short_faces = 0, self_crossing_polygons = 0;  ///< left out, split as fans
-  std::size_t textured = 0, transparent = 0;                ///< triangles
-  std::size_t odd_colors = 0;                               ///< meshes
-  std::size_t masked_glass = 0;                             ///< meshes, by what a description says of their file
-  Reach raw, placed;
-};
-
-/// Marks by 1 the vertices that the faces of a mesh use. Throws Error on a face that names a missing vertex or has too many
-/// corners.
-std::vector<std::uint8_t> used_vertices(const std::string& where, const ImportedMesh& raw) {
-  std::vector<std::uint8_t> used(raw.positions.size());
-  std::span<const std::uint32_t> corners = raw.corners;
-  for (std::size_t f = 0; f < raw.corner_counts.size(); ++f) {
-    const std::size_t count = raw.corner_counts[f];
-    if (count > most_corners) throw Error("{}, face {}: has {} corners; at most {} are taken", where, f, count, most_corners);
-    if (count > corners.size()) throw Error("{}, face {}: {} corners are announced, {} there", where, f, count, corners.size());
-    for (const std::uint32_t corner : corners.first(count)) {
-      if (corner >= used.size())
-        throw Error("{}, face {}: vertex index {} is outside 0 .. {}", where, f, corner, std::int64_t(used.size()) - 1);
-      if (count >= 3) used[corner] = 1;
-    }
-    corners = corners.subspan(count);
-  }
-  return used;
+std::string name_of(const fs::path& file, const ImportedMesh& raw) {
+  return printable(raw.name.empty() ? file.stem().string() : raw.name, true);
 }
 
-/// Places the vertices that faces use, and welds them: readers may repeat a vertex for every face; one position becomes one
-/// vertex again, of a mesh that needs its places in an image where it has one place there. Returns the place in `mesh` of each
-/// vertex of the file. `hint` ends errors of places in an image.
-std::vector<std::uint32_t> place_vertices(const std::string& where, const ImportedMesh& raw, const glm::dmat4& place,
-                                          const Placement& placement, std::string_view hint, NoteCounts& counts, Mesh& mesh) {
-  const std::vector<std::uint8_t> used = used_vertices(where, raw);
-  std::vector<glm::vec3> positions(raw.positions.size());
-  for (std::size_t v = 0; v < raw.positions.size(); ++v) {
-    if (!used[v]) continue;
-    const glm::dvec3& p = raw.positions[v];
-    const glm::dvec3 placed = placement.apply(glm::dvec3(place * glm::dvec4(p, 1)));
-    if (!is_sound(p) || !is_sound(placed))
-      throw Error("{}, vertex {}: position = ({}, {}, {}), placed at ({}, {}, {}), is outside {}", where, v, p.x, p.y, p.z,
-                  placed.x, placed.y, placed.z, coordinate_range);
-    positions[v] = placed;
-    counts.raw.add(p);
-    counts.placed.add(placed);
-  }
-  std::vector<std::uint32_t> welded = weld(positions, used);
-  if (mesh.needs_uv()) {
-    check_uv(where, raw, used, mesh.alpha_mask != nullptr, hint);
-    welded = weld_places(welded, raw.uv, used);
-  }
-  for (std::uint32_t v = 0; v < welded.size(); ++v) {
-    if (!used[v]) continue;
-    const bool is_new = welded[v] == v;
-    welded[v] = is_new ? static_cast<std::uint32_t>(mesh.positions.size()) : welded[welded[v]];
-    if (is_new) mesh.positions.push_back(positions[v]);
-    if (is_new && mesh.needs_uv()) mesh.uv.push_back(raw.uv[v]);
-  }
-  return welded;
+/// Opens errors.
+std::string where_of(const fs::path& file, const ImportedMesh& raw) {
+  return fmt::format("{}: mesh '{}'", file.string(), name_of(file, raw));
 }
 
-/// Checks, places, welds and triangulates one mesh.
-Mesh convert(const fs::path& file, const ImportedMesh& raw, const glm::dmat4& place, const Placement& placement,
-             FileMasks& masks, FileTransmissions& transmissions, NoteCounts& counts) {
+struct Converted {
   Mesh mesh;
-  mesh.name = printable(raw.name.empty() ? file.stem().string() : raw.name, true);
+  std::vector<std::uint32_t> sources;  ///< as of Welded
+};
+
+/// Checks, places, welds and triangulates one mesh. `rig`, null or of the vertices of the file: what moves it.
+Converted convert(const fs::path& file, const ImportedMesh& raw, const glm::dmat4& place, const Placement& placement,
+                  const Rig* rig, FileMasks& masks, FileTransmissions& transmissions, NoteCounts& counts) {
+  Converted converted;
+  Mesh& mesh = converted.mesh;
+  mesh.name = name_of(file, raw);
   const auto is_share = [](float x) { return x >= 0 && x <= 1; };
   const bool is_albedo = is_share(raw.color.r) && is_share(raw.color.g) && is_share(raw.color.b);
   if (raw.has_color && is_albedo) mesh.albedo = raw.color;
   counts.odd_colors += raw.has_color && !is_albedo;
-  const std::string where = fmt::format("{}: mesh '{}'", file.string(), mesh.name);
+  const std::string where = where_of(file, raw);
   mesh.alpha_mask = masks.mask(where, raw);
   mesh.transmission = transmissions.transmission(where, raw);
   if (mesh.transmission) mesh.seen = transmissions.are_seen();
   const bool is_noted = raw.mask.has_image() && raw.transmission.is_there();  // by the reader of its format
   counts.masked_glass += mesh.alpha_mask && mesh.transmission && !is_noted;
   const std::string& hint = mesh.alpha_mask ? masks.hint() : transmissions.hint();
-  const std::vector<std::uint32_t> welded = place_vertices(where, raw, place, placement, hint, counts, mesh);
+  Welded welded = place_vertices(where, raw, place, placement, rig, hint, counts, mesh);
+  converted.sources = std::move(welded.sources);
 
   auto corner = raw.corners.begin();
   std::vector<std::uint32_t> face;
   for (const std::uint32_t count : raw.corner_counts) {
     face.clear();
-    for (std::uint32_t k = 0; k < count; ++k) face.push_back(welded[*corner++]);
+    for (std::uint32_t k = 0; k < count; ++k) face.push_back(welded.places[*corner++]);
     counts.short_faces += count < 3;
     if (count < 3) continue;
     const std::size_t before = mesh.triangles.size();
@@ -167,18 +85,17 @@ Mesh convert(const fs::path& file, const ImportedMesh& raw, const glm::dmat4& pl
     mesh.triangles.resize(std::max(mesh.triangles.size(), before + count - 2), glm::uvec3(face[0]));
   }
   if (mesh.alpha_mask || mesh.transmission) masks.drop_duplicates(mesh);
-  if (mesh.alpha_mask || (mesh.transmission && !mesh.transmission->is_constant())) return mesh;
+  if (mesh.alpha_mask || (mesh.transmission && !mesh.transmission->is_constant())) return converted;
   const bool is_glass = transmissions.counts(raw);
   if (raw.has_texture && !(is_glass && raw.transmission.has_image())) counts.textured += mesh.triangles.size();
   if (raw.is_transparent && !is_glass) counts.transparent += mesh.triangles.size();
-  return mesh;
+  return converted;
 }
 
 /// The nearest name of the form [a-z0-9_]+ that is not taken.
 template <class Named>
 std::string free_name(std::string name, const std::vector<Named>& taken, std::string_view fallback) {
-  for (char& c : name) c = std::isalnum(static_cast<unsigned char>(c)) ? static_cast<char>(std::tolower(c)) : '_';
-  if (name.find_first_not_of('_') == std::string::npos) name = fallback;
+  name = plain_name(std::move(name), fallback);
   std::string candidate = name;
   for (int i = 2; find_named(taken, candidate); ++i) candidate = fmt::format("{}_{}", name, i);
   return candidate;
@@ -240,6 +157,47 @@ void add_light(const fs::path& file, const ImportedLight& raw, const Placement& 
     scene.lights.push_back(light);
 }
 
+/// Adds all meshes at all of their places, with what moves them. Returns the bounds of those that have triangles. Throws Error,
+/// where none has one, too.
+Bounds add_meshes(const fs::path& file, MeshFile& raw, const Placement& placement, FileMasks& masks,
+                  FileTransmissions& transmissions, NoteCounts& counts, Scene& scene) {
+  std::error_code ignored;
+  const std::uintmax_t file_bytes = fs::file_size(file, ignored);
+  FileMotion motion(file.string(), ignored ? 0 : file_bytes, std::move(raw.motion));
+  std::size_t triangle_count = 0;
+  Bounds bounds;
+  for (ImportedMesh& raw_mesh : raw.meshes) {
+    const Rig* const rig = motion.rig_of(where_of(file, raw_mesh), raw_mesh);
+    for (std::size_t place = 0; place < raw_mesh.places.size(); ++place) {
+      auto [mesh, sources] = convert(file, raw_mesh, raw_mesh.places[place], placement, rig, masks, transmissions, counts);
+      triangle_count += mesh.triangles.size();
+      if (triangle_count > max_triangle_count) throw Error("{}: more than {} triangles", file.string(), max_triangle_count);
+      if (mesh.triangles.empty()) continue;
+      bounds.add(mesh.positions);
+      if (rig) motion.add(raw_mesh, place, placement, sources, scene.meshes.size());
+      scene.meshes.push_back(std::move(mesh));
+    }
+  }
+  if (triangle_count == 0)
+    throw Error("{}: has no faces{}", file.string(), raw.notes.empty() ? "" : "; " + joined(raw.notes, "; "));
+  motion.finish(scene);
+  return bounds;
+}
+
+/// Adds the notes of the child, and those of the counts.
+void add_notes(const std::string& name, const MeshFile& raw, const NoteCounts& counts, Scene& scene) {
+  const auto note = [&](std::size_t count, const char* what) {
+    if (count > 0) scene.notes.push_back(fmt::format("{}: {} {}", name, count, what));
+  };
+  for (const std::string& words : raw.notes) scene.notes.push_back(fmt::format("{}: {}", name, printable(words, true)));
+  note(counts.short_faces, "points and lines are left out");
+  note(counts.self_crossing_polygons, "polygons cross themselves and are split as fans");
+  note(counts.odd_colors, "meshes have a color outside of 0 .. 1, in place of which they have the usual one");
+  note(counts.textured, "triangles have textures, which are not used: cut-out leaves and grids are opaque");
+  note(counts.transparent, "triangles are of transparent material and stop light all the same");
+  note(counts.masked_glass, "meshes have a mask and a transmission; what is solid of them transmits");
+}
+
 }  // namespace
 
 bool is_mesh_file_name(const fs::path& file) { return has_mesh_format(file); }
@@ -277,30 +235,9 @@ void importing::add_imported(const fs::path& file, std::span<const std::byte> an
   FileMasks masks(file, raw, mask_choice, scene);
   FileTransmissions transmissions(raw, transmission_choice, scene);
   NoteCounts counts;
-  std::size_t triangle_count = 0;
-  Bounds bounds;
-  for (const ImportedMesh& raw_mesh : raw.meshes)
-    for (const glm::dmat4& place : raw_mesh.places) {
-      Mesh mesh = convert(file, raw_mesh, place, placement, masks, transmissions, counts);
-      triangle_count += mesh.triangles.size();
-      if (triangle_count > max_triangle_count) throw Error("{}: more than {} triangles", file.string(), max_triangle_count);
-      if (mesh.triangles.empty()) continue;
-      bounds.add(mesh.positions);
-      scene.meshes.push_back(std::move(mesh));
-    }
-  if (triangle_count == 0)
-    throw Error("{}: has no faces{}", file.string(), raw.notes.empty() ? "" : "; " + joined(raw.notes, "; "));
+  const Bounds bounds = add_meshes(file, raw, placement, masks, transmissions, counts, scene);
   const std::string name = printable(file.filename().string(), true);
-  const auto note = [&](std::size_t count, const char* what) {
-    if (count > 0) scene.notes.push_back(fmt::format("{}: {} {}", name, count, what));
-  };
-  for (const std::string& words : raw.notes) scene.notes.push_back(fmt::format("{}: {}", name, printable(words, true)));
-  note(counts.short_faces, "points and lines are left out");
-  note(counts.self_crossing_polygons, "polygons cross themselves and are split as fans");
-  note(counts.odd_colors, "meshes have a color outside of 0 .. 1, in place of which they have the usual one");
-  note(counts.textured, "triangles have textures, which are not used: cut-out leaves and grids are opaque");
-  note(counts.transparent, "triangles are of transparent material and stop light all the same");
-  note(counts.masked_glass, "meshes have a mask and a transmission; what is solid of them transmits");
+  add_notes(name, raw, counts, scene);
   masks.finish(name, scene);
   transmissions.finish(file.string(), name, scene);
   for (const Reach* reach : {&counts.raw, &counts.placed})

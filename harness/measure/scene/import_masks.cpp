@@ -124,9 +124,9 @@ void FileMasks::finish(const std::string& name, Scene& scene) const {
 }
 
 /// The same three vertices in any order: winding never decides.
-void FileMasks::drop_duplicates(Mesh& mesh) {
-  const std::size_t count = mesh.triangles.size();
-  std::vector<glm::uvec3> sorted = mesh.triangles;
+std::vector<bool> importing::find_duplicates(std::span<const glm::uvec3> triangles) {
+  const std::size_t count = triangles.size();
+  std::vector<glm::uvec3> sorted(triangles.begin(), triangles.end());
   for (glm::uvec3& t : sorted) std::sort(&t.x, &t.x + 3);
   const auto less = [&](std::size_t a, std::size_t b) {
     const glm::uvec3 &s = sorted[a], &t = sorted[b];
@@ -140,6 +140,12 @@ void FileMasks::drop_duplicates(Mesh& mesh) {
     const glm::uvec3& t = sorted[order[k]];
     is_again[order[k]] = t == sorted[order[k - 1]] && t.x != t.y && t.y != t.z;
   }
+  return is_again;
+}
+
+void FileMasks::drop_duplicates(Mesh& mesh) {
+  const std::size_t count = mesh.triangles.size();
+  const std::vector<bool> is_again = find_duplicates(mesh.triangles);
   std::size_t kept = 0;
   for (std::size_t i = 0; i < count; ++i)
     if (!is_again[i]) mesh.triangles[kept++] = mesh.triangles[i];

@@ -45,6 +45,8 @@ class FileMasks {
 /// transmission.
 void check_uv(const std::string& where, const ImportedMesh& mesh, std::span<const std::uint8_t> used, bool is_masked,
               std::string_view hint);
+/// Of triangles by the numbers of their corners: whether one before has the same three, in any order.
+std::vector<bool> find_duplicates(std::span<const glm::uvec3> triangles);
 /// For each used vertex the first one at exactly its position and place in the image; `welded` as of gnomon::weld.
 std::vector<std::uint32_t> weld_places(std::span<const std::uint32_t> welded, std::span<const glm::vec2> uv,
                                        std::span<const std::uint8_t> used);

@@ -11,6 +11,8 @@
 #include "measure/paths.h"
 #include "measure/scene/base_scene.h"
 #include "measure/scene/channels.h"
+#include "measure/scene/motion_data.h"
+#include "measure/scene/time_reference.h"
 
 namespace gnomon {
 
@@ -47,6 +49,7 @@ Scene load_by_id(const std::string& reference, const Descriptions& above) {
     const auto generator = entry->make();
     generator->apply(settings);
     Scene scene = generator->make();
+    check_motion(scene, reference);
     scene.name = generator->settings().empty() ? id : fmt::format("{}:{}", id, generator->settings());
     return scene;
   }
@@ -209,6 +212,8 @@ void finish_scene(Scene& scene, const std::string& where) {
   for (View& view : scene.views) view = usable(view);
   check_names(scene.lights, "light", where);
   check_names(scene.views, "view", where);
+  check_motion(scene, where);
+  merge_duplicates(scene);
   std::size_t dropped = 0;
   for (Mesh& mesh : scene.meshes) {
     check_vertices(mesh, where);
@@ -221,17 +226,32 @@ void finish_scene(Scene& scene, const std::string& where) {
     dropped += mesh.facts.degenerate_count;
   }
   if (dropped > 0) scene.notes.push_back(fmt::format("{} triangles without area are dropped", dropped));
-  std::erase_if(scene.meshes, [](const Mesh& mesh) { return mesh.triangles.empty(); });
+  drop_empty_meshes(scene);
   for (const Mesh& mesh : scene.meshes)
     if (!mesh.casts && !mesh.seen)
       scene.notes.push_back(fmt::format("mesh '{}' neither casts nor is seen: it changes nothing", mesh.name));
   // A file that is placed many times says the same each time.
   std::set<std::string> said;
   std::erase_if(scene.notes, [&](const std::string& note) { return !said.insert(note).second; });
+  if (scene.meshes.empty() && scene.motion)
+    throw Error("scene '{}' has no geometry at rest; it has animations: {} ({})", scene.name,
+                joined(names_of(scene.motion->animations), ", "), where);
   if (scene.meshes.empty()) throw Error("scene '{}' has no geometry ({})", scene.name, where);
 }
 
 Scene read_scene(const std::string& reference, const Descriptions& above) {
+  if (const TimedReference timed = split_time(reference); timed.at) {
+    Scene still = read_scene(timed.scene, above);
+    if (above.empty()) add_framing_at_rest(still);
+    try {
+      freeze(still, *timed.at);
+    } catch (const Error& error) {
+      if (!names_file(timed.scene)) throw;
+      throw Error("{}: {}", timed.scene, error.what());
+    }
+    still.name = with_time(still.name, *timed.at);
+    return still;
+  }
   if (!names_file(reference)) return load_by_id(reference, above);
   const fs::path file = reference;
   if (file.extension() == ".toml") return read_scene_toml(file, above);

@@ -18,8 +18,9 @@ class SceneNotFetched : public Error {
 };
 
 /// Loads what `--scene` names: the id of a generated scene with optional settings (`sphere_field:count=1000`), the id of a
-/// described scene (stem of a file in scenes/*.toml), or the path of a .toml or mesh file. Lights and views are there
-/// afterwards: the scene's own, else the framing default, stated in `notes`. Throws Error on bad input, SceneNotFetched.
+/// described scene (stem of a file in scenes/*.toml), or the path of a .toml or mesh file; each also at a time, as a still
+/// (time_reference.h). Lights and views are there afterwards: the scene's own, else the framing default, stated in `notes`.
+/// Throws Error on bad input, SceneNotFetched.
 Scene load_scene(const std::string& reference);
 
 /// The light or view of that name, else the first.
@@ -29,7 +30,8 @@ const Item& named_or_first(const std::vector<Item>& items, const std::string& na
   return found ? *found : items.front();
 }
 
-/// Whether a reference names a file, of a description, of meshes, or anything with a slash in it; else it is an id.
+/// Whether a reference names a file, of a description, of meshes, or anything with a slash in it; else it is an id. Its time
+/// does not count.
 bool names_file(const std::string& reference);
 
 /// One scene as `gnomon list scenes` shows it.
@@ -42,10 +44,6 @@ std::vector<SceneListing> list_scenes();
 
 /// Imports a mesh file in a child process, untrusted: see import.cpp. Positions are as in the file, rounded to float32 by
 /// `placement` only. Throws Error with file, mesh and vertex or face index.
-struct Placement {
-  glm::dvec3 scale{1}, rotate_degrees{0}, translate{0};  ///< applied in this order; rotation about x, then y, then z
-  glm::dvec3 apply(const glm::dvec3& p) const;
-};
 /// What a description says of the masks of a mesh file; without a description all is as the file says.
 struct MaskChoice {
   bool are_used = true;                        ///< false: all meshes are solid
@@ -92,7 +90,8 @@ Light usable(Light light);
 View usable(View view);
 
 /// What every loader ends with: drops degenerate triangles, measures facts, checks that coordinates are finite, that names
-/// are unique, that no eye equals its target; throws Error when nothing is left to see. `where` opens the error's text.
+/// are unique, that no eye equals its target, that motion is sound; throws Error when nothing is left to see. `where` opens the
+/// error's text.
 void finish_scene(Scene& scene, const std::string& where);
 
 }  // namespace gnomon

@@ -2,9 +2,16 @@
 
 #include <gnomon/param.h>
 
+#include <cctype>
+
 #include "measure/scene/channels.h"
 
 namespace gnomon {
+
+std::string plain_name(std::string name, std::string_view fallback) {
+  for (char& c : name) c = std::isalnum(static_cast<unsigned char>(c)) ? static_cast<char>(std::tolower(c)) : '_';
+  return name.find_first_not_of('_') == std::string::npos ? std::string(fallback) : name;
+}
 
 void require_words(const std::vector<std::string>& wanted, const std::vector<std::string>& there, const char* what,
                    const std::string& reference) {

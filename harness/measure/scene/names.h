@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace gnomon {
@@ -20,6 +21,9 @@ std::vector<std::string> names_of(const std::vector<Item>& items) {
   for (const Item& item : items) names.push_back(item.name);
   return names;
 }
+
+/// The name in letters, digits and _ of plain names, each other byte as _; the fallback where nothing else is left.
+std::string plain_name(std::string name, std::string_view fallback);
 
 /// Throws Error with the nearest name when the scene lacks one of these lights (single ones, by name) or views.
 void require_names(const std::string& reference, const Scene& scene, const std::vector<std::string>& lights,

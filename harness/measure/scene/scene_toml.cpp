@@ -8,7 +8,9 @@
 #include "measure/scene/base_scene.h"
 #include "measure/scene/load.h"
 #include "measure/scene/parts.h"
+#include "measure/scene/time_reference.h"
 #include "measure/scene/toml_masks.h"
+#include "measure/scene/toml_motion.h"
 #include "measure/scene/toml_table.h"
 
 namespace gnomon {
@@ -40,13 +42,16 @@ class BaseError : public Error {
 
 /// The reference as the program takes it, independent of the folder that contains its description.
 std::string seen_from_here(const std::string& reference, const fs::path& description) {
-  return names_file(reference) ? described_file(reference, description).string() : reference;
+  if (!names_file(reference)) return reference;
+  const std::string scene = without_time(reference);
+  return described_file(scene, description).string() + reference.substr(scene.size());
 }
 
 /// Throws SceneNotFetched. Loading reports every other mistake.
 void check_fetched(const std::string& reference, std::size_t depth) {
   if (depth > most_descriptions) return;
-  const fs::path file = names_file(reference) ? fs::path(reference) : data_root() / "scenes" / (reference + ".toml");
+  const std::string scene = without_time(reference);
+  const fs::path file = names_file(scene) ? fs::path(scene) : data_root() / "scenes" / (scene + ".toml");
   if (file.extension() != ".toml") return;
   toml::table document;
   try {
@@ -114,7 +119,7 @@ const Kind& kind_of(const toml::table& table, const fs::path& file, const std::s
 
 void read_mesh(const toml::table& toml, const fs::path& file, Scene& scene) {
   const Table table(toml, file, "mesh",
-                    {"file", "scale", "rotate_degrees", "translate", "casts", "receives", "albedo", "mask", "cutoff",
+                    {"name", "file", "scale", "rotate_degrees", "translate", "casts", "receives", "albedo", "mask", "cutoff",
                      "mask_scale", "masks", "transmission", "seen"});
   const glm::dvec3 zero(0);
   const Placement placement{table.scale("scale"), table.vector("rotate_degrees", zero), table.vector("translate", zero)};
@@ -174,10 +179,12 @@ void read_shape(const toml::table& toml, const fs::path& file, Scene& scene) {
     if (kind != "plane" && toml.contains(key))
       throw Error("{}.{} is not allowed: of the shapes, a plane alone may have a mask ({})", kind, key,
                   Table(toml, file, kind).where(key));
-  const Table table(toml, file, kind, keys, {"kind", "segments", "casts", "receives", "albedo", "transmission", "seen"});
+  const Table table(toml, file, kind, keys,
+                    {"name", "kind", "segments", "casts", "receives", "albedo", "transmission", "seen"});
   const Shape shape = read_geometry(kind, table);
   check(shape, fmt::format("{} ({})", kind, table.where()));
-  Mesh mesh = tessellate(shape, table.integer("segments", 64, 3, 4096), fmt::format("{}_{}", kind, scene.meshes.size()));
+  const std::string name = table.has("name") ? table.text("name") : fmt::format("{}_{}", kind, scene.meshes.size());
+  Mesh mesh = tessellate(shape, table.integer("segments", 64, 3, 4096), name);
   mesh.casts = table.flag("casts", true);
   mesh.receives = table.flag("receives", true);
   mesh.albedo = table.albedo();
@@ -261,19 +268,6 @@ void read_view(const toml::table& toml, const fs::path& file, Scene& scene) {
   scene.views.push_back(view);
 }
 
-/// Without a name it is called `camera` or `light`, after what it moves.
-void read_path(const toml::table& toml, const fs::path& file, Scene& scene) {
-  const Table table(toml, file, "path", {"name", "moves", "positions", "frames"});
-  const std::string moves = table.text("moves");
-  if (moves != "camera" && moves != "light") table.refuse("moves", '\'' + moves + '\'', "camera or light");
-  const Path::Moves what = moves == "camera" ? Path::Moves::camera : Path::Moves::light;
-  Path path{table.name("name", scene.paths, moves), what, {}};
-  for (const glm::dvec3& position : table.vectors("positions", 0, 2)) path.positions.emplace_back(position);
-  if (!table.has("frames")) table.refuse("frames", "(nothing)", "a whole number of 2 .. 100000");
-  path.frame_count = table.integer("frames", 0, 2, 100'000);
-  scene.paths.push_back(std::move(path));
-}
-
 /// The file's lights, views and paths replace those of the base; its meshes are added to the base's later.
 void start_from(Scene base, Scene& scene) {
   if (!scene.lights.empty()) base.lights = std::move(scene.lights);
@@ -285,7 +279,8 @@ void start_from(Scene base, Scene& scene) {
 }  // namespace
 
 bool names_file(const std::string& reference) {
-  return fs::path(reference).extension() == ".toml" || reference.find('/') != std::string::npos || is_mesh_file_name(reference);
+  const fs::path scene = without_time(reference);
+  return scene.extension() == ".toml" || scene.string().find('/') != std::string::npos || is_mesh_file_name(scene);
 }
 
 bool is_fetched(const std::string& reference) {
@@ -300,7 +295,8 @@ bool is_fetched(const std::string& reference) {
 Scene read_scene_toml(const fs::path& file, const Descriptions& above) {
   check_above(file, above);
   const toml::table document = read_toml(file.string() + ":", file);
-  const Table top(document, file, "scene", {"name", "scene", "ambient", "mesh", "shape", "light", "view", "path"});
+  const Table top(document, file, "scene",
+                  {"name", "scene", "animation", "time", "ambient", "mesh", "shape", "light", "view", "path"});
   Scene scene;
   const auto read_all = [&](std::string_view key, void (*read)(const toml::table&, const fs::path&, Scene&)) {
     for (const toml::table* table : top.tables(key)) read(*table, file, scene);
@@ -317,8 +313,21 @@ Scene read_scene_toml(const fs::path& file, const Descriptions& above) {
   const double ambient = top.number("ambient", scene.ambient);
   if (ambient < 0 || ambient > 1) top.refuse("ambient", ambient, "within 0 .. 1");
   scene.ambient = static_cast<float>(ambient);
-  read_all("shape", read_shape);
-  read_all("mesh", read_mesh);
+  MeshNames names(scene.meshes);
+  const auto read_meshes = [&](std::string_view key, void (*read)(const toml::table&, const fs::path&, Scene&)) {
+    for (const toml::table* table : top.tables(key)) {
+      const std::size_t first = scene.meshes.size();
+      read(*table, file, scene);
+      if (key == "shape")
+        names.add(scene.meshes[first].name, first, first + 1);
+      else if (const Table named(*table, file, std::string(key)); named.has("name"))
+        names.add(named.text("name"), first, scene.meshes.size());
+    }
+  };
+  read_meshes("shape", read_shape);
+  read_meshes("mesh", read_mesh);
+  read_mesh_paths(top.tables("path"), file, names, scene);
+  read_time(top, !above.empty(), scene);
   return scene;
 }
 

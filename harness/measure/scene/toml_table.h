@@ -99,6 +99,26 @@ class Table {
     for (const toml::node& item : *array) result.push_back(three(key, item));
     return result;
   }
+  /// The numbers of a list.
+  std::vector<double> numbers(std::string_view key) const {
+    const toml::array* array = need(key).as_array();
+    if (!array) refuse(key, kind(key), "a list of numbers");
+    std::vector<double> result;
+    for (const toml::node& item : *array) result.push_back(number_of(key, item));
+    return result;
+  }
+  /// One text, or those of a list of one or more.
+  std::vector<std::string> texts(std::string_view key) const {
+    if (is_text(key)) return {text(key)};
+    const toml::array* array = need(key).as_array();
+    if (!array || array->empty()) refuse(key, kind(key), "a text or a list of texts");
+    std::vector<std::string> result;
+    for (const toml::node& item : *array) {
+      if (!item.is_string()) refuse(key, "a list with something else", "a text or a list of texts");
+      result.push_back(*item.value_exact<std::string>());
+    }
+    return result;
+  }
   glm::dvec2 pair(std::string_view key) const {
     const toml::array* array = need(key).as_array();
     if (!array || array->size() != 2) refuse(key, kind(key), "[width, depth]");

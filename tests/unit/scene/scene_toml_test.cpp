@@ -206,8 +206,8 @@ TEST(SceneToml, mistakes_have_a_file_and_a_line) {
       {"outer_degrees = 90", "test.toml:1"});
   expect_words(error_of("\n[[view]]\nname = \"v\"\neye = [1, 1, 1]\ntarget = [1, 1, 1]\n"), {"eye = target", "test.toml:2"});
   expect_words(error_of("[view]\neye = [1, 1, 1]\n"), {"[[view]]", "test.toml:1"});
-  expect_words(error_of("[[path]]\nmoves = \"mesh\"\npositions = [[0,0,0],[1,0,0]]\nframes = 3\n"),
-               {"'mesh'", "camera or light"});
+  expect_words(error_of("[[path]]\nmoves = \"eye\"\npositions = [[0,0,0],[1,0,0]]\nframes = 3\n"),
+               {"'eye'", "camera, light or mesh", "test.toml:2"});
   expect_words(error_of("[[path]]\nmoves = \"light\"\npositions = [[0,0,0]]\nframes = 3\n"), {"positions", "2 or more"});
   expect_words(error_of("name = \n"), {"test.toml:1"});
 }
