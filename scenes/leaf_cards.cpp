@@ -1,5 +1,6 @@
 // A bush of crossed cards above a trunk: each card is a square that a mask cuts down to a twig with leaves. From 72 cards on
 // their area together is always the same: more cards are smaller ones.
+#include <gnomon/kit/geometry/circling.h>
 #include <gnomon/kit/geometry/shapes.h>
 #include <gnomon/kit/irradiance.h>
 #include <gnomon/kit/random.h>
@@ -72,6 +73,12 @@ class LeafCards final : public SceneGenerator {
                      64,           {.unit = "texel", .min = 8, .max = 1024, .log = true},
                      Stage::build, "Width and height of the mask that cuts the leaves."};
   Number<int> seed{this, "seed", 1, {.min = 0, .max = 1000000}, Stage::build, "Chooses places and turns of the cards."};
+  Number<double> wind{this,
+                      "wind",
+                      0,
+                      {.min = 0, .max = 1},
+                      Stage::build,
+                      "How far the tip of a card sways at most, in lengths of a card; 0: all stand still."};
   Flag masks{this, "masks", true, Stage::build, "Whether the cards have holes; else they are solid squares."};
 
  public:
@@ -90,24 +97,51 @@ class LeafCards final : public SceneGenerator {
     scene.views = {{.name = "view", .eye = {2.2f, 2.7f, 5.2f}, .target = {0.55f, 0.95f, 0}, .fov_y_degrees = 35},
                    {.name = "near", .eye = {1.5f, 1.15f, 1.1f}, .target = {0.75f, 0.1f, -0.15f}, .fov_y_degrees = 34},
                    {.name = "far", .eye = {8.5f, 7.5f, 21}, .target = {0.8f, 0.75f, -0.2f}, .fov_y_degrees = 11}};
+    if (wind > 0) scene.motion = swaying(scene, 2);
     return scene;
   }
 
  private:
+  double side() const { return std::min(0.6, 0.4 * std::sqrt(160.0 / count)); }
+
+  /// The upper edge of each card swings to and fro with the wind, from anywhere on its way, while its foot stands still. The
+  /// way is 2 |A| long at most, for cos(a) - cos(b) is.
+  std::shared_ptr<const Motion> swaying(const Scene& scene, std::uint32_t leaves) const {
+    auto motion = std::make_shared<Motion>();
+    MotionNode node;
+    node.weights = {0, 0};
+    motion->nodes = {node};
+    motion->animations = {{"wind", {circling_weights(0, 2)}}};
+    Rig rig = rig_at_rest(scene, leaves, 0);
+    const std::size_t vertex_count = rig.base.size();
+    rig.targets.assign(2 * vertex_count, glm::dvec3(0));
+    Random random(static_cast<std::uint64_t>(seed), 77);  // another stream than the cards: the wind moves none of them
+    for (std::size_t first = 0; first < vertex_count; first += 4) {
+      const glm::dvec3 gust = glm::normalize(glm::dvec3(1, 0, -0.4) + 0.3 * in_ball(random));
+      const glm::dvec3 way = 0.5 * wind * side() * random.uniform(0.5, 1) * gust;
+      const double phase = random.uniform(0, 2 * std::numbers::pi);
+      for (const std::size_t upper : {first + 2, first + 3}) {
+        rig.targets[upper] = std::cos(phase) * way;
+        rig.targets[vertex_count + upper] = -std::sin(phase) * way;
+      }
+    }
+    motion->rigs.push_back(std::move(rig));
+    return motion;
+  }
+
   /// Pairs of cards with a common foot grow outward from places in a ball of 0.75 m around (0, 1.45, 0).
   Mesh crown() const {
     Mesh mesh;
     mesh.name = "leaves";
     mesh.albedo = {0.2f, 0.42f, 0.12f};
-    const double side = std::min(0.6, 0.4 * std::sqrt(160.0 / count));
     Random random(static_cast<std::uint64_t>(seed));
     for (int made = 0; made < count; made += 2) {
       const glm::dvec3 place = in_ball(random), aside = in_ball(random);
       const glm::dvec3 along = glm::normalize(place + glm::dvec3(0, 0.25, 0) + 0.4 * aside);
       const glm::dvec3 across = glm::normalize(glm::cross(along, in_ball(random)));
       const glm::dvec3 foot = glm::dvec3(0, 1.45, 0) + 0.75 * place;
-      add_card(mesh, foot, along, across, side);
-      if (made + 1 < count) add_card(mesh, foot, along, glm::cross(along, across), side);
+      add_card(mesh, foot, along, across, side());
+      if (made + 1 < count) add_card(mesh, foot, along, glm::cross(along, across), side());
     }
     if (masks)
       mesh.alpha_mask = std::make_shared<const AlphaMask>(twig(texels));

@@ -101,7 +101,7 @@ TEST(Scenes, every_mesh_is_finite_indexed_in_range_and_without_degenerate_triang
 
 TEST(Scenes, every_solid_is_closed) {
   // All that is neither a sheet by its shape nor soup nor cards has an inside.
-  const std::set<std::string_view> sheets{"soup", "leaves", "links", "smoke", "hair", "window", "cloth"};
+  const std::set<std::string_view> sheets{"soup", "leaves", "links", "smoke", "hair", "window", "cloth", "swarm"};
   for_each_scene([&](const Scene& scene) {
     for (const Mesh& mesh : scene.meshes) {
       const std::string_view kind = mesh.shape ? kind_name(*mesh.shape) : "solid";
@@ -138,7 +138,7 @@ TEST(Scenes, same_settings_make_the_same_scene) {
 }
 
 TEST(Scenes, another_seed_makes_another_scene) {
-  for (const char* id : {"box_city", "hair_cards", "leaf_cards", "smoke_cards", "soup", "sphere_field"})
+  for (const char* id : {"box_city", "hair_cards", "leaf_cards", "smoke_cards", "soup", "sphere_field", "swarm"})
     EXPECT_NE(make(id, "seed=1").meshes.back().positions, make(id, "seed=2").meshes.back().positions) << id;
 }
 
