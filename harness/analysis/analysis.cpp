@@ -7,6 +7,7 @@
 #include "analysis/in_order.h"
 #include "measure/pattern.h"
 #include "measure/record/title.h"
+#include "measure/scene/time_reference.h"
 #include "measure/score/metrics.h"
 #include "measure/statistics/resample.h"
 
@@ -185,7 +186,8 @@ std::vector<std::pair<std::string, std::string>> split_settings(std::string_view
   return pairs;
 }
 
-std::pair<std::string, std::string> split_reference(const std::string& scene) {
+std::pair<std::string, std::string> split_reference(const std::string& reference) {
+  const std::string scene = without_time(reference);
   const std::size_t colon = scene.find(':');
   if (colon == scene.npos || scene.find('=', colon) == scene.npos) return {scene, ""};
   return {scene.substr(0, colon), scene.substr(colon + 1)};

@@ -78,8 +78,8 @@ std::vector<std::string> context_values(std::span<const Record> records, const c
 std::optional<double> number_from(std::string_view text);
 /// "a=1,b=2" into pairs.
 std::vector<std::pair<std::string, std::string>> split_settings(std::string_view settings);
-/// "soup:count=5,seed=2" is "soup" and "count=5,seed=2"; a file's path has no settings.
-std::pair<std::string, std::string> split_reference(const std::string& scene);
+/// "soup:count=5,seed=2" is "soup" and "count=5,seed=2"; a file's path has no settings. A time is left out.
+std::pair<std::string, std::string> split_reference(const std::string& reference);
 /// The value of a scene's parameter: as its reference writes it, else the default of the registered scene of that id; nothing
 /// when it has no such parameter or its value is no number.
 std::optional<double> scene_parameter(const std::string& scene, std::string_view parameter);

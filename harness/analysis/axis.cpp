@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "measure/scene/time_reference.h"
+
 namespace gnomon {
 
 namespace {
@@ -18,9 +20,10 @@ std::string fixed(const std::string& id, const std::string& settings, const std:
   return parts.empty() ? id : fmt::format("{}:{}", id, joined(parts, ","));
 }
 
+/// A still keeps its time.
 std::string starred(const std::string& scene, const std::set<std::string>& varying) {
   const auto [id, settings] = split_reference(scene);
-  return fixed(id, settings, varying, true);
+  return fixed(id, settings, varying, true) + scene.substr(without_time(scene).size());
 }
 
 /// By scene id, the numeric parameters that change how many triangles the scene has: what one family of scenes differs in.

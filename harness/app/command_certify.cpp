@@ -1,5 +1,6 @@
 // gnomon certify: the reference against exact answers.
 #include "app/app.h"
+#include "app/time_option.h"
 #include "measure/frame/certify.h"
 #include "measure/frame/certify_soft.h"
 #include "measure/paths.h"
@@ -16,6 +17,7 @@ namespace {
 struct CertifyCommand {
   std::string scene, size = "640x360";
   std::vector<std::string> lights, views;
+  TimeOption time;
   bool json = false;
 };
 
@@ -61,8 +63,12 @@ int run_certify(const CertifyCommand& options) {
 
 void add_certify(Program& program) {
   auto [command, options] = program.line.command<CertifyCommand>(
-      "certify", "How far the reference may be trusted: exact answers beside it", run_certify);
+      "certify", "How far the reference may be trusted: exact answers beside it", [](CertifyCommand& read) {
+        put_time(read.scene, read.time);
+        return run_certify(read);
+      });
   command.option("--scene", &options.scene, "Scene id, ID:param=value, or a scene or mesh file", {.is_required = true});
+  add_time_option(command, options.time);
   command.option("--light", &options.lights, "Light names; all by default", {.delimiter = ','});
   command.option("--view", &options.views, "View names; the first by default", {.delimiter = ','});
   command.option("--size", &options.size, "Picture size in pixels, WxH");

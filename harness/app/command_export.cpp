@@ -1,8 +1,10 @@
 // gnomon export: what a program of one's own needs to make a mask that `gnomon score` takes.
 #include "app/app.h"
 #include "app/staged_folder.h"
+#include "app/time_option.h"
 #include "measure/exchange/gltf.h"
 #include "measure/exchange/scene_files.h"
+#include "measure/notice.h"
 #include "measure/paths.h"
 #include "measure/picture/picture.h"
 #include "measure/progress.h"
@@ -21,6 +23,7 @@ namespace fs = std::filesystem;
 struct ExportOptions {
   std::string scene, view, size = "640x360", truth = "shape";
   std::vector<std::string> lights;
+  TimeOption time;
   fs::path out;
 };
 
@@ -109,6 +112,7 @@ void export_frame(const ExportOptions& options) {
   write_file(folder.path / "frame.json", json_text(frame, 1) + "\n");
   folder.publish();
 
+  if (scene.motion) print_notice("note: {} moves: the files have it at rest, without its animations\n", options.scene);
   const std::string out = options.out.string();
   fmt::print(
       "{0}/scene.gltf             scene with cameras and lights\n"
@@ -124,8 +128,12 @@ void export_frame(const ExportOptions& options) {
 
 void add_export(Program& program) {
   auto [command, options] = program.line.command<ExportOptions>(
-      "export", "Scene, G-buffer and reference as files, for programs that make masks", export_frame);
+      "export", "Scene, G-buffer and reference as files, for programs that make masks", [](ExportOptions& read) {
+        put_time(read.scene, read.time);
+        export_frame(read);
+      });
   command.option("--scene", &options.scene, "Scene id, ID:param=value, or a scene or mesh file", {.is_required = true});
+  add_time_option(command, options.time);
   command.option("--view", &options.view, "View name; the first by default", {.check = not_empty()});
   command.option("--light", &options.lights, "Light names; all by default", {.delimiter = ','});
   command.option("--size", &options.size, "Picture size in pixels, WxH");

@@ -86,6 +86,10 @@ Check above_zero() {
   return number_that([](double value) { return value > 0; }, "a number above 0", "above 0");
 }
 
+Check not_negative() {
+  return number_that([](double value) { return value >= 0; }, "a number of 0 or more", "0 or more");
+}
+
 Check whole_in(int low, int high) {
   const CLI::Range range(low, high);
   return {[range](const std::string& text) { return range(text); }, range.get_description()};

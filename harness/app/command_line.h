@@ -33,6 +33,7 @@ Check not_empty();                             ///< a name: "" is none
 Check seconds();                               ///< a number above 0, at most a day
 Check number_in(double low, double high);      ///< the whole text is a finite number, `low` and `high` included
 Check above_zero();                            ///< the whole text is a finite number above 0
+Check not_negative();                          ///< the whole text is a finite number, 0 or more
 Check whole_in(int low, int high);             ///< a whole number, `low` and `high` included
 Check one_of(std::vector<std::string> words);  ///< the text is one of them
 

@@ -8,6 +8,7 @@
 #include "measure/run/suite.h"
 #include "measure/scene/blob.h"
 #include "measure/scene/load.h"
+#include "measure/scene/time_reference.h"
 #include "measure/score/metrics.h"
 #include "report/conformance.h"
 #include "report/listing.h"
@@ -81,10 +82,10 @@ struct DescribeOptions {
 
 void describe(const DescribeOptions& options) {
   std::vector<std::string> names;
-  const std::string stem = options.id.substr(0, options.id.find(':'));
+  const std::string scene_part = without_time(options.id), stem = scene_part.substr(0, scene_part.find(':'));
   const std::string settings = options.id.substr(std::min(options.id.size(), stem.size() + 1));
   for (const TechniqueEntry& entry : registry().techniques()) {
-    if (entry.id == stem) {
+    if (entry.id == stem && scene_part == options.id) {
       fmt::print("{}", options.json ? json_text(describe_json(entry, settings), 2) + "\n"
                                     : describe_text(entry, terminal_width(), settings));
       return;

@@ -5,6 +5,7 @@
 
 #include "app/app.h"
 #include "app/staged_folder.h"
+#include "app/time_option.h"
 #include "measure/notice.h"
 #include "measure/paths.h"
 #include "measure/picture/detail_export.h"
@@ -26,6 +27,7 @@ namespace fs = std::filesystem;
 struct RenderOptions {
   std::string scene, technique, view, size = "640x360", truth = "shape", debug;
   std::vector<std::string> lights;
+  TimeOption time;
   fs::path out, detail;
   int threads = 0, global_samples = 0;
   double timeout = 120;
@@ -300,10 +302,13 @@ int render(const RenderOptions& options, const WorkerOptions& worker) {
 
 void add_render(Program& program) {
   auto [command, options] = program.line.command<RenderOptions>(
-      "render", "One technique on one scene: mask, shaded and error pictures, record",
-      [&program](const RenderOptions& read) { return render(read, worker_options(program, read.threads)); });
+      "render", "One technique on one scene: mask, shaded and error pictures, record", [&program](RenderOptions& read) {
+        put_time(read.scene, read.time);
+        return render(read, worker_options(program, read.threads));
+      });
   command.option("--scene", &options.scene, "Scene id, ID:param=value, or a scene or mesh file", {.is_required = true});
   command.option("--technique", &options.technique, "Technique id, or ID:param=value,...", {.is_required = true});
+  add_time_option(command, options.time);
   command.option("--light", &options.lights, "Light names; all of the scene by default", {.delimiter = ','});
   command.option("--view", &options.view, "View name; the first by default", {.check = not_empty()});
   command.option("--size", &options.size, "Picture size in pixels, WxH");

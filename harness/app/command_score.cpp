@@ -4,6 +4,7 @@
 #include "analysis/analysis.h"
 #include "app/app.h"
 #include "app/staged_folder.h"
+#include "app/time_option.h"
 #include "measure/paths.h"
 #include "measure/picture/picture.h"
 #include "measure/progress.h"
@@ -25,6 +26,7 @@ namespace fs = std::filesystem;
 struct ScoreOptions {
   std::string scene, view, truth = "shape", channel, label, technique;
   std::vector<std::string> lights, told;
+  TimeOption time;
   fs::path mask, out;
   bool json = false;
 };
@@ -309,9 +311,13 @@ void score(const ScoreOptions& options) {
 }  // namespace
 
 void add_score(Program& program) {
-  auto [command, options] =
-      program.line.command<ScoreOptions>("score", "A mask that another program made, against the reference", score);
+  auto [command, options] = program.line.command<ScoreOptions>(
+      "score", "A mask that another program made, against the reference", [](ScoreOptions& read) {
+        put_time(read.scene, read.time);
+        score(read);
+      });
   command.option("--scene", &options.scene, "Scene id, ID:param=value, or a scene or mesh file", {.is_required = true});
+  add_time_option(command, options.time);
   command.option("--mask", &options.mask, "Image of visibilities, 1 lit and 0 in shadow; its size is the picture's",
                  {.is_required = true, .check = not_empty()});
   command.option("--light", &options.lights, "Light names; by default every light of which the mask has a channel LIGHT.V",

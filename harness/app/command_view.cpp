@@ -2,6 +2,7 @@
 #include <gnomon/registry.h>
 
 #include "app/app.h"
+#include "app/time_option.h"
 #include "app/viewer/application.h"
 #include "measure/notice.h"
 #include "measure/run/light_selection.h"
@@ -17,6 +18,7 @@ namespace {
 struct ViewCommand {
   viewer::ViewOptions view;
   std::string technique, against, light, view_name, size = "960x540", truth = "shape", keys;
+  TimeOption time;
   int threads = 0;
 };
 
@@ -30,6 +32,7 @@ viewer::SideSelection parse_side(const std::string& option, const std::string& t
 int view(ViewCommand& options, const Program& program) {
   viewer::ViewOptions& view = options.view;
   viewer::Selection& selection = view.selection;
+  put_time(selection.scene, options.time);
   view.workers = worker_options(program, options.threads);
   view.workers.keeps_shaders = true;  // a side should show soon, and its setup is not measured
   selection.sides[0] = parse_side("--technique", options.technique);
@@ -67,6 +70,7 @@ void add_view(Program& program) {
   if (!registry().scenes().empty()) options.view.selection.scene = registry().default_scene().id;
   if (!registry().techniques().empty()) options.technique = registry().default_technique().id;
   command.option("--scene", &options.view.selection.scene, "Scene id, ID:param=value, or a scene or mesh file");
+  add_time_option(command, options.time);
   command.option("--technique", &options.technique, "Technique of the left side: id, or ID:param=value,...");
   command.option("--against", &options.against, "Technique of the right side; the reference by default",
                  {.check = not_empty()});

@@ -3,6 +3,7 @@
 #include <gnomon/error.h>
 
 #include "app/app.h"
+#include "measure/scene/time_reference.h"
 
 namespace gnomon::app {
 
@@ -21,10 +22,23 @@ Suite chosen_suite(const SuiteOptions& options, const std::string& command) {
   Suite suite;
   suite.name = "adhoc";
   SuiteGroup& group = suite.groups.emplace_back();
-  group.scenes = options.scenes;
+  group.scenes = at_times(options.scenes, options.animation, options.times);
   for (const std::string& technique : options.techniques)
     for (Contender& contender : parse_contenders(technique)) group.contenders.push_back(std::move(contender));
   return suite;
+}
+
+/// A suite's scenes at the times of the options, each once, in place of the suite's own times. Their animations stay unless the
+/// options name one.
+std::vector<std::string> retimed(const std::vector<std::string>& scenes, const SuiteOptions& options) {
+  std::vector<std::string> stills;
+  for (const std::string& scene : scenes) {
+    const TimedReference timed = split_time(scene);
+    const std::string own = timed.at ? timed.at->animation : "";
+    for (std::string& still : at_times({timed.scene}, options.animation.empty() ? own : options.animation, options.times))
+      if (std::ranges::find(stills, still) == stills.end()) stills.push_back(std::move(still));
+  }
+  return stills;
 }
 
 }  // namespace
@@ -34,6 +48,7 @@ Suite make_suite(const SuiteOptions& options, const std::string& command) {
   for (SuiteGroup& group : suite.groups) {
     if (!options.lights.empty()) group.lights = options.lights;
     if (!options.views.empty()) group.views = options.views;
+    if (!options.suite.empty() && !options.times.empty()) group.scenes = retimed(group.scenes, options);
     if (options.global_samples) group.global_samples = options.global_samples;
   }
   if (!options.size.empty()) {
@@ -58,9 +73,15 @@ Suite make_suite(const SuiteOptions& options, const std::string& command) {
 void add_suite_options(Command& command, SuiteOptions& options, const std::string& when, CLI::Option* needed) {
   const auto add = [&](const char* name, OptionTarget target, const std::string& sentence, OptionRules rules = {}) {
     rules.needs = needed;
-    command.option(name, target, when + sentence, rules);
+    return command.option(name, target, when + sentence, rules);
   };
   add("--scene", &options.scenes, "Scene ids or files, instead of a suite");
+  const auto time =
+      add("--time", &options.times,
+          "Seconds at which scenes that move are shown, each a still; the suite's by default, or as files have them",
+          {.check = not_negative(), .delimiter = ','});
+  command.option("--animation", &options.animation, when + "With --time: animation of the scenes; each one's first by default",
+                 {.check = not_empty(), .needs = time});
   add("--technique", &options.techniques, "ID:param=value,...; {a,b} sweeps a value", {.delimiter = ';'});
   add("--light", &options.lights, "Light names; the suite's, or all of each scene, by default", {.delimiter = ','});
   add("--view", &options.views, "View names, * in one stands for any letters; the suite's, or each scene's first, by default",

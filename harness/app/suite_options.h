@@ -6,8 +6,9 @@ namespace gnomon::app {
 
 /// Options that `run` and `compare --live` share: a suite, or scenes and techniques, and what to change of it for this run.
 struct SuiteOptions {
-  std::string suite, size, truth, filter, pictures;
+  std::string suite, size, truth, filter, pictures, animation;
   std::vector<std::string> scenes, techniques, lights, views;
+  std::vector<double> times;                                            ///< of the scenes; none: as the suite says
   int processes = 0, repetitions = 0, warmups = 0, global_samples = 0;  ///< 0: as the suite says
   int threads = 0;                                                      ///< 0: all cores
   std::optional<double> timeout, interval, budget;
@@ -17,8 +18,8 @@ struct SuiteOptions {
 /// `needed` is that one.
 void add_suite_options(Command& command, SuiteOptions& options, const std::string& when = "", CLI::Option* needed = nullptr);
 
-/// The suite with what the options change of it; a light, a view, a size or a truth that is given replaces those of all its
-/// groups. Throws Error, which begins with `command`, when the options name neither a suite nor scenes and techniques.
+/// The suite with what the options change of it; a light, a view, a time, a size or a truth that is given replaces those of all
+/// its groups. Throws Error, which begins with `command`, when the options name neither a suite nor scenes and techniques.
 Suite make_suite(const SuiteOptions& options, const std::string& command);
 
 }  // namespace gnomon::app

@@ -11,6 +11,7 @@
 #include "app/staged_folder.h"
 #include "measure/scene/blob.h"
 #include "measure/scene/load.h"
+#include "measure/scene/time_reference.h"
 
 namespace gnomon::viewer {
 
@@ -45,10 +46,11 @@ std::string quoted(const std::string& text) {
 
 /// The scene as a description in `file` names it. Links are followed in the folders between, so that `..` leads to the parent;
 /// the scene's own name stays, for a description finds its meshes beside the name that it is opened by.
-std::string base_reference(const std::string& scene, const fs::path& file) {
-  if (!names_file(scene)) return scene;
+std::string base_reference(const std::string& reference, const fs::path& file) {
+  if (!names_file(reference)) return reference;
+  const std::string scene = without_time(reference), time = reference.substr(scene.size());
   const fs::path from = fs::absolute(file).parent_path(), base = fs::absolute(scene);
-  const std::string name = fs::relative(base.parent_path(), from) / base.filename();
+  const std::string name = (fs::relative(base.parent_path(), from) / base.filename()).string() + time;
   return name.starts_with('.') ? name : "./" + name;
 }
 

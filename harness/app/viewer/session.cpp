@@ -6,6 +6,7 @@
 #include "app/viewer/window.h"
 #include "measure/run/light_selection.h"
 #include "measure/scene/load.h"
+#include "measure/scene/time_reference.h"
 
 namespace gnomon::viewer {
 
@@ -15,17 +16,21 @@ constexpr double motion_rest = 0.25;  // seconds without a step until a motion i
 
 /// A generator with the settings of a reference; null when it is a file.
 std::unique_ptr<SceneGenerator> generator_of(const std::string& reference) {
-  const std::size_t colon = reference.find(':');
-  const SceneEntry* const entry = registry().find_scene(scene_id(reference));
+  const std::string scene = without_time(reference);
+  const std::size_t colon = scene.find(':');
+  const SceneEntry* const entry = registry().find_scene(scene_id(scene));
   if (!entry) return nullptr;
   auto generator = entry->make();
-  generator->apply(colon == std::string::npos ? "" : reference.substr(colon + 1));
+  generator->apply(colon == std::string::npos ? "" : scene.substr(colon + 1));
   return generator;
 }
 
 }  // namespace
 
-std::string scene_id(const std::string& reference) { return reference.substr(0, reference.find(':')); }
+std::string scene_id(const std::string& reference) {
+  const std::string scene = without_time(reference);
+  return scene.substr(0, scene.find(':'));
+}
 
 Session::Session(Selection selection, std::shared_ptr<const LoadedScene> loaded)
     : selection_(std::move(selection)), loaded_(std::move(loaded)), generator_(generator_of(selection_.scene)) {
@@ -49,8 +54,9 @@ void Session::choose_scene(const std::string& reference) {
 
 void Session::generator_changed() {
   const std::string settings = generator_->settings();
+  const std::string time = selection_.scene.substr(without_time(selection_.scene).size());  // the still's
   keeps_moved_ = true;
-  selection_.scene = settings.empty() ? generator_->id() : generator_->id() + ":" + settings;
+  selection_.scene = (settings.empty() ? generator_->id() : generator_->id() + ":" + settings) + time;
 }
 
 void Session::adopt(const EngineState& state) {

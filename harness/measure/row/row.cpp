@@ -4,6 +4,7 @@
 #include <deque>
 
 #include "measure/picture/shading.h"
+#include "measure/scene/time_reference.h"
 #include "measure/score/error_picture.h"
 
 namespace gnomon {
@@ -16,7 +17,8 @@ namespace {
 /// be.
 std::string file_stem(const Record& record) {
   std::string stem;
-  for (const char c : fmt::format("{}-{}-{}", fs::path(record.scene).stem().string(), record.light, record.technique))
+  const std::string scene = without_time(record.scene), time = record.scene.substr(scene.size());
+  for (const char c : fmt::format("{}{}-{}-{}", fs::path(scene).stem().string(), time, record.light, record.technique))
     stem += std::isalnum(static_cast<unsigned char>(c)) || c == '.' || c == '-' || c == '_' ? c : '-';
   constexpr std::size_t most = 180;
   return stem.substr(0, most) + "-" + record.job.substr(0, 8);

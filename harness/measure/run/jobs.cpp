@@ -21,8 +21,7 @@ const SceneLibrary::Entry& SceneLibrary::get(const std::string& reference) {
   if (!entry) {
     auto fresh = std::make_unique<Entry>();
     try {
-      const auto place = places_.find(reference);
-      fresh->scene = load_scene(place == places_.end() ? reference : place->second);
+      fresh->scene = load_scene(place_of(reference));
     } catch (const SceneNotFetched& missing) {
       fresh->missing = missing.what();
     }
@@ -31,7 +30,28 @@ const SceneLibrary::Entry& SceneLibrary::get(const std::string& reference) {
   return *entry;
 }
 
+const std::string& SceneLibrary::place_of(const std::string& reference) const {
+  const auto place = places_.find(reference);
+  return place == places_.end() ? reference : place->second;
+}
+
+void SceneLibrary::shed(std::size_t most) {
+  std::size_t kept = 0;
+  std::erase_if(entries_, [&](const auto& item) {
+    if (!item.second->scene) return false;
+    std::size_t bytes = 0;
+    for (const Mesh& mesh : item.second->scene->meshes)
+      bytes += std::span(mesh.positions).size_bytes() + std::span(mesh.triangles).size_bytes();
+    if (kept + bytes > most) return true;
+    kept += bytes;
+    return false;
+  });
+}
+
 namespace {
+
+/// Of scenes that are loaded before the first row runs: a suite may name a scene at many times. Others are loaded again.
+constexpr std::size_t most_geometry = std::size_t{1} << 30;  // bytes
 
 bool is_pattern(const std::string& word) { return word.find('*') != word.npos; }
 
@@ -178,6 +198,7 @@ SuiteJobs expand_jobs(const Suite& suite, SceneLibrary& library, const WorkerOpt
                 else if (std::string& label = jobs[known->second].contender.label; label.empty())
                   label = contender.label;
               }
+      library.shed(most_geometry);
     }
   }
   std::ranges::sort(result.left_out);

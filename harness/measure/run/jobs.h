@@ -28,6 +28,10 @@ class SceneLibrary {
   /// From now on the scene of this name is read from another place, as load_scene takes it; the first call for a name counts.
   void read_from(const std::string& reference, const std::string& place) { places_.emplace(reference, place); }
   void forget(const std::string& reference) { entries_.erase(reference); }
+  /// Forgets scenes until those that are left take so many bytes of geometry at most. No entry may be in use.
+  void shed(std::size_t most);
+  /// Where the scene of this name is read.
+  const std::string& place_of(const std::string& reference) const;
 
  private:
   std::map<std::string, std::unique_ptr<Entry>> entries_;

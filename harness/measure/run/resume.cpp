@@ -5,6 +5,7 @@
 #include "measure/record/scene_place.h"
 #include "measure/run/run.h"
 #include "measure/scene/load.h"
+#include "measure/scene/time_reference.h"
 #include "measure/worker/build.h"
 #include "measure/worker/machine_context.h"
 
@@ -75,18 +76,21 @@ std::vector<std::string> changes(std::span<const Record> kept, const Record& now
 
 void use_recorded_scenes(const fs::path& out, Suite& suite, SceneLibrary& library) {
   if (!is_plain_file(records_file(out))) return;  // its writer will report it
-  std::map<std::string, std::string> recorded;    // name as written then, by the path of the file
+  std::map<std::string, std::string> recorded;    // name as written then, by the path of the file, both without a time
   std::error_code code;
+  const auto path_of = [&](const std::string& scene) { return fs::weakly_canonical(scene, code).string(); };
   for (const Record& record : read_records(out))
     if (!context_text(record, "scene_file").empty())
-      recorded.emplace(fs::weakly_canonical(scene_reference(record, out), code).string(), record.scene);
+      recorded.emplace(path_of(without_time(scene_reference(record, out))), without_time(record.scene));
   for (SuiteGroup& group : suite.groups)
     for (std::string& scene : group.scenes) {
       if (!names_file(scene)) continue;
-      const auto known = recorded.find(fs::weakly_canonical(scene, code).string());
-      if (known == recorded.end() || known->second == scene) continue;
-      library.read_from(known->second, scene);
-      scene = known->second;
+      const std::string file = without_time(scene);
+      const auto known = recorded.find(path_of(file));
+      if (known == recorded.end() || known->second == file) continue;
+      const std::string name = known->second + scene.substr(file.size());
+      library.read_from(name, scene);
+      scene = name;
     }
 }
 

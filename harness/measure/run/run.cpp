@@ -79,7 +79,8 @@ void run_rows(std::vector<PendingRow> rows, const RowsPlan& plan, Progress& prog
         if (run) {
           row.record.context["scene_hash"] = run->frames.scene_hash(row.job.lights);
           row.record.context["frames"] = frame_version();
-          if (const auto path = path_to_scene(plan.sides[row.side].out, scene)) row.record.context["scene_file"] = *path;
+          if (const auto path = path_to_scene(plan.sides[row.side].out, plan.scenes.place_of(scene)))
+            row.record.context["scene_file"] = *path;
         } else {
           row.record.status = Status::unsupported;
           row.record.reason = entry.missing;

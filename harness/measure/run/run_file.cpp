@@ -4,6 +4,7 @@
 #include "measure/scene/channels.h"
 #include "measure/scene/load.h"
 #include "measure/scene/scene_json.h"
+#include "measure/scene/time_reference.h"
 #include "measure/worker/build.h"
 
 namespace gnomon {
@@ -33,8 +34,8 @@ void write_runs(const fs::path& folder, Json runs) {
 
 Json described(const std::string& reference, const Scene* scene) {
   Json json = json_object({{"scene", reference}, {"text", nullptr}, {"lights", Json::array()}, {"views", Json::array()}});
-  if (names_file(reference) && fs::path(reference).extension() == ".toml" && is_plain_file(reference))
-    json["text"] = file_text(reference);
+  const std::string file = without_time(reference);
+  if (names_file(file) && fs::path(file).extension() == ".toml" && is_plain_file(file)) json["text"] = file_text(file);
   if (!scene) return json;
   for (const Light& light : whole_lights(scene->lights)) json["lights"].push_back(scene_json(light));
   for (const View& view : scene->views) json["views"].push_back(scene_json(view));

@@ -7,6 +7,7 @@
 
 #include "measure/paths.h"
 #include "measure/scene/blob.h"
+#include "measure/scene/time_reference.h"
 #include "measure/scene/toml_table.h"
 
 namespace gnomon {
@@ -64,6 +65,23 @@ std::vector<std::string> words(const Table& table, const toml::table& raw, std::
     result.push_back(*word);
   }
   return result;
+}
+
+/// The key `time`: a number of seconds or an array of these; empty without the key.
+std::vector<double> read_times(const Table& group, const toml::table& raw) {
+  if (!group.has("time")) return {};
+  const toml::array* array = raw.get("time")->as_array();
+  std::vector<double> times;
+  if (!array) times.push_back(group.number("time"));
+  for (std::size_t k = 0; array && k < array->size(); ++k) {
+    const auto seconds = array->get(k)->is_number() ? array->get(k)->value<double>() : std::nullopt;
+    if (!seconds) group.refuse("time", "a list with something else", "a number or an array of numbers");
+    times.push_back(*seconds);
+  }
+  for (const double seconds : times)
+    if (!(seconds >= 0 && std::isfinite(seconds))) group.refuse("time", seconds, "seconds, 0 or more");
+  if (times.empty()) group.refuse("time", "[]", "a number or an array of numbers");
+  return times;
 }
 
 std::vector<Contender> read_contenders(const Table& group, const toml::table& raw, const fs::path& path) {
@@ -232,14 +250,18 @@ Suite read_suite(const std::string& name_or_path) {
     top.refuse("reference_error", suite.target.error, "a standard error of 0.00001 .. 0.1");
   suite.target.cap = static_cast<std::uint32_t>(top.integer("reference_rays", static_cast<int>(suite.target.cap), 64, 1 << 24));
   for (const toml::table* raw : top.tables("group")) {
-    const Table reader(*raw, path, "group", {"scenes", "lights", "views", "techniques", "paths", "sizes", "global_samples"});
+    const Table reader(*raw, path, "group",
+                       {"scenes", "animation", "time", "lights", "views", "techniques", "paths", "sizes", "global_samples"});
     const auto list = [&](std::string_view key) { return words(reader, *raw, key); };
     SuiteGroup group{{}, list("lights"), list("views"), read_contenders(reader, *raw, path), list("paths")};
     group.global_samples = reader.integer("global_samples", 0, least_global_samples, most_global_samples);
     const std::vector<std::string> scenes = list("scenes"), sizes = list("sizes");
+    const std::string animation = reader.has("animation") ? reader.text("animation") : "";
+    if (reader.has("animation") && animation.empty()) reader.refuse("animation", "''", "the name of an animation");
+    const std::vector<double> times = read_times(reader, *raw);
     try {
       for (const std::string& scene : scenes)
-        for (std::string& plain : expand_braces(scene)) group.scenes.push_back(std::move(plain));
+        for (std::string& still : at_times(expand_braces(scene), animation, times)) group.scenes.push_back(std::move(still));
       for (const std::string& size : sizes) group.sizes.push_back(parse_size(size, "group.sizes"));
     } catch (const Error& error) {
       throw Error("{} ({})", error.what(), reader.where());

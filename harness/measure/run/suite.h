@@ -30,7 +30,7 @@ std::vector<Contender> parse_contenders(const std::string& text, const std::stri
 
 /// Rows that share scenes, lights, views and contenders: their cross product.
 struct SuiteGroup {
-  std::vector<std::string> scenes;
+  std::vector<std::string> scenes;  ///< references, with the time of a still where the group has times
   std::vector<std::string> lights;  ///< names, or `*soft` and `*hard`: with area, without; empty: all of each scene
   std::vector<std::string> views;   ///< names, or patterns with `*`; empty: the first view of each scene
   std::vector<Contender> contenders;

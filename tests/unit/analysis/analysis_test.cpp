@@ -71,6 +71,14 @@ TEST(analysis, a_scene_parameter_is_read_from_the_reference_or_from_the_generato
   EXPECT_EQ(scene_parameter("elsewhere", "count"), std::nullopt);
 }
 
+TEST(analysis, the_time_of_a_still_is_no_parameter) {
+  EXPECT_EQ(split_reference("soup:count=5,seed=2@walk=1.5"), std::pair(std::string("soup"), std::string("count=5,seed=2")));
+  EXPECT_EQ(split_reference("models/tree.toml@walk=1"), std::pair(std::string("models/tree.toml"), std::string()));
+  EXPECT_EQ(scene_parameter("sphere_field:count=40@1.5", "count"), 40);
+  EXPECT_EQ(scene_parameter("sphere_field@1.5", "count"), 100);
+  EXPECT_EQ(scene_parameter("sphere_field@walk=1.5", "walk"), std::nullopt);
+}
+
 TEST(analysis, causes_are_shares_of_the_tested_pixels) {
   Record r = row("a", 1, 1, 0.1);
   EXPECT_EQ(quantity(r, "cause.acne"), std::nullopt);

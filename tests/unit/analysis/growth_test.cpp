@@ -75,6 +75,23 @@ TEST(growth, what_does_not_change_the_triangles_does_not_join_scenes) {
   EXPECT_EQ(families.at(records[5].scene), "soup:seed=8,count=*");
 }
 
+TEST(growth, stills_at_other_times_are_series_of_their_own) {
+  std::vector<Record> records;
+  for (const char* const time : {"@0.5", "@walk=1"})
+    for (Record r : family({10, 100, 1000}, 1)) {
+      r.scene += time;
+      records.push_back(r);
+    }
+  for (const char* const axis : {"triangles", "count"}) {
+    std::set<std::string> scenes;
+    for (const Growth& growth : find_growth(records, axis).rows) {
+      scenes.insert(growth.place.scene);
+      EXPECT_EQ(growth.points.size(), 3u);
+    }
+    EXPECT_EQ(scenes, (std::set<std::string>{"soup:seed=7,count=*@0.5", "soup:seed=7,count=*@walk=1"})) << axis;
+  }
+}
+
 TEST(growth, two_points_are_too_few_and_one_is_no_series) {
   const Growths two = find_growth(family({10, 100}, 1), "triangles");
   EXPECT_FALSE(stage_of(two, "resolve").exponent);

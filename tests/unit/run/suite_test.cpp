@@ -77,6 +77,41 @@ TEST(suite, scenes_take_braces_and_groups_take_sizes_and_paths) {
   for (std::size_t k = 0; k < jobs.size(); ++k) EXPECT_EQ(jobs[k].place, k);
 }
 
+TEST(suite, times_make_a_still_of_each_scene_at_each_time) {
+  const File file(
+      "[[group]]\nscenes = ['fence:count={4,9}']\ntime = [0, 0.50]\ntechniques = ['unshadowed']\n"
+      "[[group]]\nscenes = ['a', 'b.glb']\nanimation = 'walk'\ntime = 2\ntechniques = ['unshadowed']\n"
+      "[[group]]\nscenes = ['c@walk=01', 'd@{0,1}', 'e']\ntechniques = ['unshadowed']\n");
+  const Suite suite = read_suite(file.path);
+  using Words = std::vector<std::string>;
+  EXPECT_EQ(suite.groups.at(0).scenes, (Words{"fence:count=4@0", "fence:count=4@0.5", "fence:count=9@0", "fence:count=9@0.5"}));
+  EXPECT_EQ(suite.groups.at(1).scenes, (Words{"a@walk=2", "b.glb@walk=2"}));
+  EXPECT_EQ(suite.groups.at(2).scenes, (Words{"c@walk=1", "d@0", "d@1", "e"}));
+}
+
+TEST(suite, what_is_wrong_with_times_is_said) {
+  const auto wrong = [](const std::string& keys) { return trouble(group + keys); };
+  EXPECT_EQ(wrong("time = -1\n"), "group.time = -1 is not seconds, 0 or more (FILE:4)");
+  EXPECT_EQ(wrong("time = [0, inf]\n"), "group.time = inf is not seconds, 0 or more (FILE:4)");
+  EXPECT_EQ(wrong("time = 'now'\n"), "group.time = a text is not a number or numbers (FILE:4)");
+  EXPECT_EQ(wrong("time = [0, 'now']\n"),
+            "group.time = a list with something else is not a number or an array of numbers (FILE:4)");
+  EXPECT_EQ(wrong("time = []\n"), "group.time = [] is not a number or an array of numbers (FILE:4)");
+  EXPECT_EQ(wrong("animation = 'walk'\n"), "animation = walk needs a time: the seconds at which it is shown (FILE:1)");
+  EXPECT_EQ(wrong("animation = ''\ntime = 0\n"), "group.animation = '' is not the name of an animation (FILE:4)");
+  EXPECT_EQ(wrong("animation = 'Walk'\ntime = 0\n"),
+            "animation = 'Walk' is not a name of a..z, 0..9 and _, at most 100 of them (FILE:1)");
+  EXPECT_EQ(trouble("[[group]]\nscenes = ['contact@1']\ntime = 2\ntechniques = ['unshadowed']\n"),
+            "scene contact@1 has a time already, and gets another: 2 (FILE:1)");
+}
+
+TEST(suite, a_still_of_a_scene_without_motion_is_refused_before_anything_runs) {
+  const File file(group + "time = 1\n");
+  SceneLibrary library;
+  const std::string what = complaint([&] { expand_jobs(read_suite(file.path), library, {.program = tested_program()}); });
+  EXPECT_EQ(what.find("scene contact has no animation"), 0u) << what;
+}
+
 TEST(suite, what_is_wrong_with_sizes_and_paths_is_said) {
   const std::string head = "[[group]]\nscenes = [\"contact\"]\ntechniques = [\"unshadowed\"]\n";
   EXPECT_EQ(trouble(head + "sizes = [\"64x\"]\n"), "group.sizes 64x is not WxH with W and H of 1 .. 16384 pixels (FILE:1)");
@@ -272,6 +307,20 @@ TEST(suite, lights_are_chosen_by_whether_they_have_an_area) {
   SceneLibrary library;
   EXPECT_EQ(complaint([&] { (void)expand_jobs(read_suite(file.path), library, {.program = tested_program()}); }),
             "scene soup has no light with area, which *soft asks for; it has: point, sun");
+}
+
+TEST(scene_library, sheds_what_takes_too_much_and_loads_it_again) {
+  SceneLibrary library;
+  const std::size_t triangles = library.get("fence").scene->triangle_count();
+  library.get("composite");
+  library.shed(std::size_t{1} << 30);
+  const Scene* const kept = &*library.get("fence").scene;
+  EXPECT_EQ(&*library.get("fence").scene, kept);
+  library.shed(0);
+  EXPECT_EQ(library.get("fence").scene->triangle_count(), triangles);
+  library.read_from("there", "composite");
+  EXPECT_EQ(library.place_of("there"), "composite");
+  EXPECT_EQ(library.place_of("fence"), "fence");
 }
 
 }  // namespace suite_test

@@ -247,6 +247,16 @@ TEST(saved_state, folders_move_together) {
   EXPECT_NE(viewer::state_toml(state, "moved/scene.toml").find("scene = \"./base\"\n"), std::string::npos);
 }
 
+TEST(saved_state, a_still_keeps_its_time) {
+  const Folder folder;
+  write("all/base.toml", lone_sphere);
+  Selection state = some_state();
+  state.scene = "all/base.toml@walk=1.5";
+  EXPECT_NE(viewer::state_toml(state, "all/01/scene.toml").find("scene = \"../base.toml@walk=1.5\"\n"), std::string::npos);
+  state.scene = "walking_boxes@0.25";
+  EXPECT_NE(viewer::state_toml(state, "all/01/scene.toml").find("scene = \"walking_boxes@0.25\"\n"), std::string::npos);
+}
+
 TEST(saved_state, links_lead_where_they_did) {
   const Folder folder;
   // A link to a folder elsewhere: `..` from there is not where the link is. And a linked description, with its mesh beside it.
