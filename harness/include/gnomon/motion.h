@@ -76,7 +76,7 @@ struct Motion {
   std::vector<MotionNode> nodes;
   std::vector<Animation> animations;  ///< one at least
   std::vector<Skin> skins;
-  std::vector<Rig> rigs;  ///< of meshes that an animation moves; at most one for each
+  std::vector<Rig> rigs;  ///< of meshes of which an animation moves a place; at most one for each
 };
 
 }  // namespace gnomon

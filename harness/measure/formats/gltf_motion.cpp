@@ -160,9 +160,10 @@ void GltfMotion::finish(MeshFile& answer) {
       continue;
     }
     idle_channels += channels - used;
-    tracks = used_tracks(tracks);
     for (const Track& track : tracks)
-      for (std::size_t k = 1; k < track.times.size(); ++k) repeated_keys += track.times[k] == track.times[k - 1];
+      for (std::size_t k = 1; moves(track) && k < track.times.size(); ++k)
+        repeated_keys += track.times[k] == track.times[k - 1];
+    tracks = used_tracks(tracks);
     item.animation.name = free_name(std::move(item.animation.name));
     motion_.animations.push_back(std::move(item.animation));
   }

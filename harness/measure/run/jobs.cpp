@@ -16,18 +16,38 @@ namespace gnomon {
 
 std::string Job::title() const { return title_of_place(scene, light, view, path) + contender.name(); }
 
+namespace {
+
+std::size_t geometry_bytes(const Scene& scene) {
+  std::size_t bytes = 0;
+  for (const Mesh& mesh : scene.meshes)
+    bytes += std::span(mesh.positions).size_bytes() + std::span(mesh.triangles).size_bytes();
+  return bytes;
+}
+
+}  // namespace
+
 const SceneLibrary::Entry& SceneLibrary::get(const std::string& reference) {
-  std::unique_ptr<Entry>& entry = entries_[reference];
-  if (!entry) {
-    auto fresh = std::make_unique<Entry>();
-    try {
-      fresh->scene = load_scene(place_of(reference));
-    } catch (const SceneNotFetched& missing) {
-      fresh->missing = missing.what();
-    }
-    entry = std::move(fresh);
+  if (const auto known = entries_.find(reference); known != entries_.end()) return *known->second;
+  if (bytes_ > most_bytes_) {
+    entries_.clear();
+    bytes_ = 0;
   }
-  return *entry;
+  auto fresh = std::make_unique<Entry>();
+  try {
+    fresh->scene = load_scene(place_of(reference));
+    bytes_ += geometry_bytes(*fresh->scene);
+  } catch (const SceneNotFetched& missing) {
+    fresh->missing = missing.what();
+  }
+  return *entries_.emplace(reference, std::move(fresh)).first->second;
+}
+
+void SceneLibrary::forget(const std::string& reference) {
+  const auto known = entries_.find(reference);
+  if (known == entries_.end()) return;
+  if (known->second->scene) bytes_ -= geometry_bytes(*known->second->scene);
+  entries_.erase(known);
 }
 
 const std::string& SceneLibrary::place_of(const std::string& reference) const {
@@ -35,23 +55,7 @@ const std::string& SceneLibrary::place_of(const std::string& reference) const {
   return place == places_.end() ? reference : place->second;
 }
 
-void SceneLibrary::shed(std::size_t most) {
-  std::size_t kept = 0;
-  std::erase_if(entries_, [&](const auto& item) {
-    if (!item.second->scene) return false;
-    std::size_t bytes = 0;
-    for (const Mesh& mesh : item.second->scene->meshes)
-      bytes += std::span(mesh.positions).size_bytes() + std::span(mesh.triangles).size_bytes();
-    if (kept + bytes > most) return true;
-    kept += bytes;
-    return false;
-  });
-}
-
 namespace {
-
-/// Of scenes that are loaded before the first row runs: a suite may name a scene at many times. Others are loaded again.
-constexpr std::size_t most_geometry = std::size_t{1} << 30;  // bytes
 
 bool is_pattern(const std::string& word) { return word.find('*') != word.npos; }
 
@@ -198,7 +202,6 @@ SuiteJobs expand_jobs(const Suite& suite, SceneLibrary& library, const WorkerOpt
                 else if (std::string& label = jobs[known->second].contender.label; label.empty())
                   label = contender.label;
               }
-      library.shed(most_geometry);
     }
   }
   std::ranges::sort(result.left_out);

@@ -17,24 +17,28 @@ struct Job {
   std::string title() const;  ///< "SCENE LIGHT [VIEW] [PATH] TECHNIQUE:SETTINGS", as of its record
 };
 
-/// Scenes loaded once per run. A scene that is not fetched is kept with its reason.
+/// Scenes of a run. A scene that is not fetched is kept with its reason. A suite may name a scene at many times: where those
+/// that are there take more than 1 GiB of geometry, all are let go before the next is loaded, and loaded again when they are
+/// needed.
 class SceneLibrary {
  public:
   struct Entry {
     std::optional<Scene> scene;
     std::string missing;  ///< why there is no scene: it is not fetched
   };
+  explicit SceneLibrary(std::size_t most_bytes = std::size_t{1} << 30) : most_bytes_(most_bytes) {}
+  /// It may end the life of all entries that were got before, but not of that of the same name.
   const Entry& get(const std::string& reference);
   /// From now on the scene of this name is read from another place, as load_scene takes it; the first call for a name counts.
   void read_from(const std::string& reference, const std::string& place) { places_.emplace(reference, place); }
-  void forget(const std::string& reference) { entries_.erase(reference); }
-  /// Forgets scenes until those that are left take so many bytes of geometry at most. No entry may be in use.
-  void shed(std::size_t most);
+  void forget(const std::string& reference);
+  std::size_t size() const { return entries_.size(); }
   /// Where the scene of this name is read.
   const std::string& place_of(const std::string& reference) const;
 
  private:
   std::map<std::string, std::unique_ptr<Entry>> entries_;
+  std::size_t most_bytes_, bytes_ = 0;  ///< of geometry
   std::map<std::string, std::string> places_;
 };
 

@@ -41,6 +41,24 @@ SceneListing describe(const fs::path& file) {
   return listing;
 }
 
+void check_vertices(const Mesh& mesh, const std::string& where) {
+  for (std::size_t i = 0; i < mesh.positions.size(); ++i)
+    if (const glm::vec3& p = mesh.positions[i]; !is_sound(p))
+      throw Error("mesh '{}', vertex {}: position = ({}, {}, {}) is outside {} ({})", mesh.name, i, p.x, p.y, p.z,
+                  coordinate_range, where);
+  if (mesh.needs_uv() && mesh.uv.size() != mesh.positions.size())
+    throw Error("mesh '{}': {} of its {} vertices have a place in its {}; all must have one ({})", mesh.name, mesh.uv.size(),
+                mesh.positions.size(), mesh.alpha_mask ? "mask" : "transmission", where);
+  for (std::size_t i = 0; i < mesh.uv.size(); ++i)
+    if (const glm::vec2& uv = mesh.uv[i]; !is_sound_uv(uv))
+      throw Error("mesh '{}', vertex {}: uv = ({}, {}) is outside {} ({})", mesh.name, i, uv.x, uv.y, uv_range, where);
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
+    for (int k = 0; k < 3; ++k)
+      if (mesh.triangles[i][k] >= mesh.positions.size())
+        throw Error("mesh '{}', triangle {}: vertex index {} is outside 0 .. {} ({})", mesh.name, i, mesh.triangles[i][k],
+                    static_cast<std::int64_t>(mesh.positions.size()) - 1, where);
+}
+
 Scene load_by_id(const std::string& reference, const Descriptions& above) {
   const std::size_t colon = reference.find(':');
   const std::string id = reference.substr(0, colon);
@@ -49,6 +67,7 @@ Scene load_by_id(const std::string& reference, const Descriptions& above) {
     const auto generator = entry->make();
     generator->apply(settings);
     Scene scene = generator->make();
+    for (const Mesh& mesh : scene.meshes) check_vertices(mesh, reference);
     check_motion(scene, reference);
     scene.name = generator->settings().empty() ? id : fmt::format("{}:{}", id, generator->settings());
     return scene;
@@ -97,24 +116,6 @@ View framing_view(const Scene& scene, const glm::dvec3& middle) {
   view.target = middle;
   view.eye = middle + margin * distance * back;
   return view;
-}
-
-void check_vertices(const Mesh& mesh, const std::string& where) {
-  for (std::size_t i = 0; i < mesh.positions.size(); ++i)
-    if (const glm::vec3& p = mesh.positions[i]; !is_sound(p))
-      throw Error("mesh '{}', vertex {}: position = ({}, {}, {}) is outside {} ({})", mesh.name, i, p.x, p.y, p.z,
-                  coordinate_range, where);
-  if (mesh.needs_uv() && mesh.uv.size() != mesh.positions.size())
-    throw Error("mesh '{}': {} of its {} vertices have a place in its {}; all must have one ({})", mesh.name, mesh.uv.size(),
-                mesh.positions.size(), mesh.alpha_mask ? "mask" : "transmission", where);
-  for (std::size_t i = 0; i < mesh.uv.size(); ++i)
-    if (const glm::vec2& uv = mesh.uv[i]; !is_sound_uv(uv))
-      throw Error("mesh '{}', vertex {}: uv = ({}, {}) is outside {} ({})", mesh.name, i, uv.x, uv.y, uv_range, where);
-  for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
-    for (int k = 0; k < 3; ++k)
-      if (mesh.triangles[i][k] >= mesh.positions.size())
-        throw Error("mesh '{}', triangle {}: vertex index {} is outside 0 .. {} ({})", mesh.name, i, mesh.triangles[i][k],
-                    static_cast<std::int64_t>(mesh.positions.size()) - 1, where);
 }
 
 }  // namespace
@@ -212,11 +213,11 @@ void finish_scene(Scene& scene, const std::string& where) {
   for (View& view : scene.views) view = usable(view);
   check_names(scene.lights, "light", where);
   check_names(scene.views, "view", where);
+  for (const Mesh& mesh : scene.meshes) check_vertices(mesh, where);
   check_motion(scene, where);
   merge_duplicates(scene);
   std::size_t dropped = 0;
   for (Mesh& mesh : scene.meshes) {
-    check_vertices(mesh, where);
     if ((mesh.alpha_mask || mesh.transmission) && mesh.has_curved_shape()) {
       mesh.shape.reset();
       scene.notes.push_back(fmt::format("mesh '{}' has {}: its triangles are taken, not its exact shape", mesh.name,
@@ -241,6 +242,7 @@ void finish_scene(Scene& scene, const std::string& where) {
 
 Scene read_scene(const std::string& reference, const Descriptions& above) {
   if (const TimedReference timed = split_time(reference); timed.at) {
+    if (split_time(timed.scene).at) throw Error("scene {:.200} has two times; one is allowed", reference);
     Scene still = read_scene(timed.scene, above);
     if (above.empty()) add_framing_at_rest(still);
     try {

@@ -1,5 +1,6 @@
 // Poses a scene: moves the vertices of its meshes to where they are at a time of an animation. The order of arithmetic is the
-// importer's (measure/formats/gltf_mesh.cpp, measure/scene/import.cpp), so that a file's own pose gives the imported bits.
+// importer's (measure/formats/gltf_deform.cpp, measure/scene/import_vertices.cpp), so that a file's own pose gives the imported
+// bits.
 #include "measure/scene/pose.h"
 
 #include <gnomon/error.h>
@@ -19,6 +20,14 @@
 namespace gnomon {
 namespace {
 
+std::vector<double> value_at(const Animation& animation, const Track& track, double seconds) {
+  try {
+    return sampled(track, seconds);
+  } catch (const Error& error) {
+    throw Error("{} (animation '{}')", error.what(), animation.name);
+  }
+}
+
 /// The nodes with what the tracks give them.
 std::vector<MotionNode> nodes_at(const Motion& motion, const Animation* animation, double seconds) {
   std::vector<MotionNode> nodes = motion.nodes;
@@ -26,7 +35,7 @@ std::vector<MotionNode> nodes_at(const Motion& motion, const Animation* animatio
   for (const Track& track : animation->tracks) {
     assert(track.node < nodes.size());
     MotionNode& node = nodes[track.node];
-    const std::vector<double> value = sampled(track, seconds);
+    const std::vector<double> value = value_at(*animation, track, seconds);
     switch (track.property) {
       case Track::Property::translation:
         node.translation = {value[0], value[1], value[2]};

@@ -9,7 +9,7 @@ namespace gnomon {
 
 /// The value of a track, `width()` numbers: outside of its keys that of the nearest one, at a key exactly that key's; of keys
 /// at one time the last counts. Rotations are unit quaternions where the keys are: linear keys by spherical interpolation the
-/// short way, cubic ones normalized.
+/// short way, cubic ones normalized. Throws Error where a cubic rotation passes 0.
 std::vector<double> sampled(const Track& track, double seconds);
 
 /// World from node, of each node at that time; without an animation in the file's own pose.

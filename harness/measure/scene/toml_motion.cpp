@@ -84,7 +84,7 @@ std::vector<double> key_times(const Table& table, std::size_t count) {
     if (times.size() != count)
       table.refuse(key, fmt::format("a list of {}", times.size()), fmt::format("{} numbers, one for each key", count));
   } else {
-    const double duration = table.number("duration", 1), least = 1e-6 * static_cast<double>(count - 1);
+    const double duration = table.number("duration", 1), least = 2e-6 * static_cast<double>(count - 1);
     if (!(duration >= least)) table.refuse("duration", duration, fmt::format("{:g} s or more, for {} keys", least, count));
     for (std::size_t k = 0; k < count; ++k) times.push_back(duration * static_cast<double>(k) / static_cast<double>(count - 1));
   }

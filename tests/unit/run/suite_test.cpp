@@ -309,18 +309,27 @@ TEST(suite, lights_are_chosen_by_whether_they_have_an_area) {
             "scene soup has no light with area, which *soft asks for; it has: point, sun");
 }
 
-TEST(scene_library, sheds_what_takes_too_much_and_loads_it_again) {
-  SceneLibrary library;
-  const std::size_t triangles = library.get("fence").scene->triangle_count();
-  library.get("composite");
-  library.shed(std::size_t{1} << 30);
-  const Scene* const kept = &*library.get("fence").scene;
-  EXPECT_EQ(&*library.get("fence").scene, kept);
-  library.shed(0);
-  EXPECT_EQ(library.get("fence").scene->triangle_count(), triangles);
-  library.read_from("there", "composite");
-  EXPECT_EQ(library.place_of("there"), "composite");
-  EXPECT_EQ(library.place_of("fence"), "fence");
+TEST(scene_library, keeps_what_fits_and_loads_the_rest_again) {
+  SceneLibrary roomy, narrow(1);
+  const Scene* const kept = &*roomy.get("fence").scene;
+  const std::size_t triangles = kept->triangle_count();
+  roomy.get("composite");
+  EXPECT_EQ(&*roomy.get("fence").scene, kept);
+
+  // An entry of its own name stays; with the next name all are let go.
+  const SceneLibrary::Entry& first = narrow.get("composite");
+  EXPECT_EQ(&narrow.get("composite"), &first);
+  EXPECT_EQ(narrow.size(), 1u);
+  narrow.get("fence");
+  EXPECT_EQ(narrow.size(), 1u);
+  EXPECT_EQ(narrow.get("fence").scene->triangle_count(), triangles);
+
+  roomy.forget("fence");
+  roomy.forget("never_there");
+  EXPECT_EQ(roomy.size(), 1u);
+  roomy.read_from("there", "composite");
+  EXPECT_EQ(roomy.place_of("there"), "composite");
+  EXPECT_EQ(roomy.place_of("fence"), "fence");
 }
 
 }  // namespace suite_test

@@ -228,7 +228,7 @@ TEST(Pose, refuses_positions_out_of_range_with_mesh_vertex_and_time_and_moves_no
                           .values = {0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, -1, 0, 0, 0, 0}}}}};
   scene = scene_of(motion);
   expect_words(error_of([&] { pose(scene, scene.motion->animations[0], 0.5); }),
-               {"mesh 'm0', vertex 0", "at 0.5 s of animation 'flip'"});
+               {"the rotation of node 0 is no turn at 0.5 s", "passes (0, 0, 0, 0)", "animation 'flip'"});
 }
 
 TEST(Pose, refuses_times_that_are_none) {
@@ -260,7 +260,7 @@ TEST(Pose, of_several_animations_is_that_of_the_one_that_is_named_or_the_first) 
   expect_words(error_of([&] { freeze(still, {.seconds = 1}); }), {"scene still has no animation"});
 }
 
-TEST(Pose, knows_what_an_animation_moves) {
+TEST(Pose, finds_what_an_animation_moves) {
   // Nodes: 0 above 1 above 2, and 3 alone. Rigs: at each node, a skin of 1 and 3 at node 2, and targets at node 3.
   Motion motion;
   motion.nodes = {{}, {.parent = 0}, {.parent = 1}, {.weights = {0}}};

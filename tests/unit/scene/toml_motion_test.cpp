@@ -292,8 +292,8 @@ TEST_F(TomlMotion, mistakes_of_keys_have_a_file_and_a_line) {
   expect_words(mistake(two_meters + "times = [0, nan]\n"), {"times = nan", "test.toml:10"});
   expect_words(mistake(two_meters + "times = 1\n"), {"times", "a list of numbers", "test.toml:10"});
   expect_words(mistake(two_meters + "times = [0, 1]\nduration = 2\n"), {"duration = 2", "beside times", "test.toml:11"});
-  expect_words(mistake(two_meters + "duration = 0\n"), {"duration = 0", "1e-06 s or more", "test.toml:10"});
-  expect_words(mistake(two_meters + "duration = -2\n"), {"duration = -2", "1e-06 s or more", "test.toml:10"});
+  expect_words(mistake(two_meters + "duration = 0\n"), {"duration = 0", "2e-06 s or more", "test.toml:10"});
+  expect_words(mistake(two_meters + "duration = -2\n"), {"duration = -2", "2e-06 s or more", "test.toml:10"});
   expect_words(mistake(two_meters + "interpolation = \"smooth\"\n"), {"'smooth'", "step, linear or cubic", "test.toml:10"});
   expect_words(mistake(two_meters + "name = \"A walk\"\n"), {"'A walk'", "a..z", "test.toml:10"});
   expect_words(mistake(two_meters + "[[path]]\nname = \"mesh\"\nmoves = \"camera\"\nframes = 2\n" + two_meters),
