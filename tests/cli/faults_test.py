@@ -106,7 +106,7 @@ class Faults(ProgramTest):
         shutil.copy(PROGRAM, program)
         call = [program, "--plugin", FAULTS, "run", "--scene", "single_triangle", "--light", "sun", "--technique", "sleeps",
                 "--processes", "2", "--repetitions", "1", "--size", "64x36", "--out", self.dir / "out"]
-        environment = dict(self.environment, GNOMON_TEST_RELIGHT_MS="400")
+        environment = dict(self.environment, GNOMON_TEST_RELIGHT_MS="1500")  # long enough to be seen on a busy machine
         run = subprocess.Popen(list(map(str, call)), env=environment, text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
         wait_until(lambda: run.poll() is not None or ((self.dir / "out/.scratch").exists() and len(workers(program)) == 2),
                    "itself and its first worker")
