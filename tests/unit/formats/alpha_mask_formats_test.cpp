@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "error_words.h"
+#include "formats/gltf_made.h"
 #include "measure/formats/mesh_file.h"
 #include "measure/scratch_folder.h"
 
@@ -20,17 +21,7 @@ namespace fs = std::filesystem;
 
 // --- glTF
 
-std::string base64(std::string_view bytes) {
-  const char* digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string text;
-  for (std::size_t i = 0; i < bytes.size(); i += 3) {
-    std::uint32_t bits = 0;
-    const std::size_t left = std::min<std::size_t>(3, bytes.size() - i);
-    for (std::size_t k = 0; k < 3; ++k) bits = bits << 8 | (k < left ? static_cast<unsigned char>(bytes[i + k]) : 0u);
-    for (std::size_t k = 0; k < 4; ++k) text += k <= left ? digits[bits >> (18 - 6 * k) & 63] : '=';
-  }
-  return text;
-}
+using gltf_made::base64;
 
 /// The unit square as a strip of four vertices with two sets of coordinates, float and 16 bits.
 struct Card {
