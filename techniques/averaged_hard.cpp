@@ -40,8 +40,8 @@ std::string cannot_be_averaged(const TechniqueEntry& entry) {
 }
 
 // The hard technique comes from the registry, unchanged: one object for each point of the light. They share what
-// setup and build make where it can share that (Technique::for_another_light); else each has a setup and a build of its own. An
-// object for a further light with area holds points of its own, which share with the first object's.
+// setup and build make where it can share that (Technique::for_another_light); else each has a setup, a build and updates of
+// its own. An object for a further light with area holds points of its own, which share with the first object's.
 class AveragedHard final : public Technique {
   InnerTechnique of =
       InnerTechnique(this, "of", "svbsp", Stage::setup,
@@ -99,6 +99,12 @@ class AveragedHard final : public Technique {
   void build(const Scene& scene) override {
     made_->scene = &scene;
     objects_for(Stage::build).each(Stage::build, [&](Technique& object, std::size_t) { object.build(scene); });
+  }
+  void update(const Scene& scene, const Changes& changes) override {
+    const std::size_t built = objects().count();  // those that are new are built on what has moved already
+    objects_for(Stage::update).each(Stage::update, [&](Technique& object, std::size_t k) {
+      if (k < built) object.update(scene, changes);
+    });
   }
   void relight(const Light& light) override {
     light_ = light;

@@ -15,7 +15,7 @@ namespace gnomon {
 
 namespace {
 
-constexpr std::string_view cost_names[] = {"resolve", "light", "geometry", "bytes"};
+constexpr std::string_view cost_names[] = {"resolve", "light", "geometry", "motion", "bytes"};
 
 /// Reorders the values.
 double median_in_place(std::span<double> values) {
@@ -32,8 +32,9 @@ std::vector<std::string> quantity_names(std::span<const Record> records) {
   for (const Record& r : records) {
     if (const auto found = r.metrics.find(r.truth); found != r.metrics.end())
       for (const auto& [metric, value] : found->second) add(metric);
-    for (const Stage stage : all_stages)
-      if (!r.times(stage).empty()) add(fmt::format("{}_ms", name(stage)));
+    for (const TimedPart part : all_parts)
+      if (!times_of(r, part).empty()) add(fmt::format("{}_ms", name(part)));
+    if (sample_of(r, parts_of(Cost::motion)).is_timed()) add("motion_ms");
     if (r.bytes) add("bytes");
     if (r.peak_bytes) add("peak_bytes");
     if (r.causes)
@@ -117,7 +118,8 @@ ValueWithInterval bootstrap(std::span<const Sample> samples, const std::function
 std::string_view name(Cost cost) { return cost_names[static_cast<int>(cost)]; }
 
 std::string_view sentence(Cost cost) {
-  static constexpr std::string_view sentences[] = {"resolve", "relight + resolve", "build + relight + resolve", "memory"};
+  static constexpr std::string_view sentences[] = {"resolve", "relight + resolve", "build + relight + resolve",
+                                                   "update + relight + resolve", "memory"};
   return sentences[static_cast<int>(cost)];
 }
 
@@ -127,25 +129,40 @@ Cost cost_named(std::string_view wanted) {
   return static_cast<Cost>(found - cost_names);
 }
 
-std::span<const Stage> stages_of(Cost cost) {
-  // Each cost of time has the stage before, too.
-  return std::span(all_stages).last(cost == Cost::bytes ? 0 : static_cast<std::size_t>(cost) + 1);
+std::span<const TimedPart> parts_of(Cost cost) {
+  static constexpr TimedPart geometry[] = {Stage::build, Stage::relight, Stage::resolve};
+  static constexpr TimedPart motion[] = {Stage::update, {Stage::relight, true}, {Stage::resolve, true}};
+  switch (cost) {
+    case Cost::resolve:
+      return std::span(geometry).last(1);
+    case Cost::light:
+      return std::span(geometry).last(2);
+    case Cost::geometry:
+      return geometry;
+    case Cost::motion:
+      return motion;
+    case Cost::bytes:
+      break;
+  }
+  return {};
 }
 
-Sample sample_of(const Record& record, std::span<const Stage> stages) {
+Sample sample_of(const Record& record, std::span<const TimedPart> parts) {
   std::vector<ProcessTimes> times;
-  for (const Stage stage : stages) times.push_back(record.times(stage));
+  for (const TimedPart part : parts) times.push_back(times_of(record, part));
   return Sample(std::move(times));
 }
 
 std::optional<ValueWithInterval> cost_of(const Record& record, Cost cost) {
   if (cost == Cost::bytes)
     return record.bytes ? std::optional(ValueWithInterval(static_cast<double>(*record.bytes))) : std::nullopt;
-  const Sample sample = sample_of(record, stages_of(cost));
+  const Sample sample = sample_of(record, parts_of(cost));
   return sample.is_timed() ? std::optional(sample.estimate()) : std::nullopt;
 }
 
-Place place_of(const Record& r) { return {r.scene, r.light, r.view, r.path, r.width, r.height, r.truth}; }
+Place place_of(const Record& r) {
+  return {r.scene, r.light, r.view, r.path, r.width, r.height, r.truth, r.start.value_or(0), r.frame_rate.value_or(0)};
+}
 
 std::string title(const Place& place, std::span<const Place> all) {
   const auto varies = [&](auto member) {
@@ -155,6 +172,8 @@ std::string title(const Place& place, std::span<const Place> all) {
   if (!place.light.empty()) text += ", " + place.light;
   if (!place.view.empty() && varies(&Place::view)) text += ", view " + place.view;
   if (!place.path.empty()) text += ", path " + place.path;
+  if (place.frame_rate > 0 && varies(&Place::start)) text += fmt::format(" from {} s", place.start);
+  if (place.frame_rate > 0 && varies(&Place::frame_rate)) text += fmt::format(" at {} Hz", place.frame_rate);
   if (varies(&Place::width) || varies(&Place::height)) text += fmt::format(", {} x {}", place.width, place.height);
   if (varies(&Place::truth)) text += fmt::format(", {} truth", name(place.truth));
   return text;
@@ -205,10 +224,11 @@ std::optional<double> scene_parameter(const std::string& scene, std::string_view
   return std::nullopt;
 }
 
-std::optional<Stage> stage_of_time(std::string_view quantity) {
-  for (const Stage stage : all_stages)
-    if (quantity.starts_with(name(stage)) && quantity.substr(name(stage).size()) == "_ms") return stage;
-  return std::nullopt;
+std::span<const TimedPart> parts_of_time(std::string_view quantity) {
+  if (quantity == "motion_ms") return parts_of(Cost::motion);
+  for (const TimedPart& part : all_parts)
+    if (quantity.starts_with(name(part)) && quantity.substr(name(part).size()) == "_ms") return {&part, 1};
+  return {};
 }
 
 std::optional<double> quantity(const Record& r, std::string_view wanted) {
@@ -218,7 +238,10 @@ std::optional<double> quantity(const Record& r, std::string_view wanted) {
     const auto found = shares->find(std::string(wanted.substr(6)));
     return found == shares->end() ? std::nullopt : std::optional(found->second);
   }
-  if (const std::optional<Stage> stage = stage_of_time(wanted)) return median_of_medians(r.times(*stage));
+  if (const std::span<const TimedPart> parts = parts_of_time(wanted); !parts.empty()) {
+    const Sample sample = sample_of(r, parts);
+    return sample.is_timed() ? std::optional(sample.value()) : std::nullopt;
+  }
   if (wanted == "bytes" && r.bytes) return static_cast<double>(*r.bytes);
   if (wanted == "peak_bytes" && r.peak_bytes) return static_cast<double>(*r.peak_bytes);
   return r.metric(wanted);

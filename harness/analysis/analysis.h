@@ -6,6 +6,7 @@
 #include <string>
 #include <string_view>
 
+#include "analysis/timed_part.h"
 #include "analysis/told_apart.h"
 #include "measure/record/record.h"
 
@@ -43,20 +44,22 @@ class Sample {
 /// where a sample has too few processes. The statistic takes one value per sample, in their order. Same samples, same interval.
 ValueWithInterval bootstrap(std::span<const Sample> samples, const std::function<double(std::span<const double>)>& statistic);
 
-/// What a row costs: milliseconds of stages, or bytes.
+/// What a row costs after an event: milliseconds of stages, or bytes.
 enum class Cost {
   resolve,   ///< the camera moved: resolve
   light,     ///< the light moved: relight, resolve
-  geometry,  ///< the geometry changed: build, relight, resolve
+  geometry,  ///< another scene: build, relight, resolve
+  motion,    ///< the geometry of the scene moved: update, and relight and resolve in the frames after it
   bytes,     ///< what the technique says it holds
 };
 std::string_view name(Cost cost);
 std::string_view sentence(Cost cost);  ///< "relight + resolve"
 /// Throws Error with the list.
 Cost cost_named(std::string_view name);
-std::span<const Stage> stages_of(Cost cost);
-/// The stages of a row, to be drawn together.
-Sample sample_of(const Record& record, std::span<const Stage> stages);
+/// None of `bytes`.
+std::span<const TimedPart> parts_of(Cost cost);
+/// The parts of a row, to be drawn together.
+Sample sample_of(const Record& record, std::span<const TimedPart> parts);
 /// Nothing where the row did not measure it.
 std::optional<ValueWithInterval> cost_of(const Record& record, Cost cost);
 
@@ -65,10 +68,11 @@ struct Place {
   std::string scene, light, view, path;
   int width = 0, height = 0;
   Truth truth = Truth::shape;
+  double start = 0, frame_rate = 0;  ///< of a row whose geometry moves: seconds, and frames per second; else 0
   auto operator<=>(const Place&) const = default;
 };
 Place place_of(const Record& record);
-/// "bunny, point", and of view, path, size and truth what varies among `all`.
+/// "bunny, point", the path, and of view, times of an animation, size and truth what varies among `all`.
 std::string title(const Place& place, std::span<const Place> all);
 
 /// The different values of a key of the context, as text, in order of appearance.
@@ -84,9 +88,10 @@ std::pair<std::string, std::string> split_reference(const std::string& reference
 /// when it has no such parameter or its value is no number.
 std::optional<double> scene_parameter(const std::string& scene, std::string_view parameter);
 
-/// The stage whose time the quantity is: resolve of "resolve_ms".
-std::optional<Stage> stage_of_time(std::string_view quantity);
-/// Anything in a record that has one number: a metric (headline truth), `cause.NAME` (share of T), STAGE_ms, bytes, peak_bytes.
+/// The parts whose time the quantity is: resolve of "resolve_ms", those of Cost::motion of "motion_ms"; none of another one.
+std::span<const TimedPart> parts_of_time(std::string_view quantity);
+/// Anything in a record that has one number: a metric (headline truth), `cause.NAME` (share of T), STAGE_ms,
+/// moving_relight_ms, moving_resolve_ms, motion_ms, bytes, peak_bytes.
 std::optional<double> quantity(const Record& record, std::string_view name);
 /// Of a metric under a light with area what the reference's own noise makes of it, METRIC_floor: a smaller one cannot be
 /// distinguished from that of a right mask. Nothing of other quantities and lights.

@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "measure/record/record.h"
+#include "analysis/timed_part.h"
 
 namespace gnomon {
 
@@ -27,7 +27,7 @@ std::string_view name(Verdict verdict);  ///< "not judged", "not distinguishable
 
 /// One stage of one row in both runs.
 struct StageChange {
-  Stage stage = Stage::setup;
+  TimedPart stage = Stage::setup;
   std::optional<double> base_ms, contender_ms;  ///< medians of process medians
   /// contender / base of times that count as `least_time` at least; the interval covers what runs differ by on their own.
   std::optional<Estimate> ratio = {};
@@ -72,7 +72,7 @@ struct RowChange {
 /// What the rows of a contender, or all rows, have in common over all scenes.
 struct OverallChange {
   std::string contender;  ///< label, or id and settings; empty: all rows
-  Stage stage = Stage::build;
+  TimedPart stage = Stage::build;
   std::size_t times = 0;  ///< how many were judged
   Estimate ratio = {};    ///< geometric mean over scenes
   double p = 1, false_discovery = 1;

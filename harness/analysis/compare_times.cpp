@@ -16,10 +16,10 @@ namespace {
 
 std::vector<StageChange> list_stages(const RowChange& row) {
   std::vector<StageChange> stages;
-  for (const Stage stage : all_stages) {
-    StageChange change{.stage = stage,
-                       .base_ms = median_of_medians(row.base->times(stage)),
-                       .contender_ms = median_of_medians(row.contender->times(stage))};
+  for (const TimedPart part : all_parts) {
+    StageChange change{.stage = part,
+                       .base_ms = median_of_medians(times_of(*row.base, part)),
+                       .contender_ms = median_of_medians(times_of(*row.contender, part))};
     if (!change.base_ms && !change.contender_ms) continue;
     if (change.base_ms && change.contender_ms) {
       const double ratio = std::max(*change.contender_ms, least_time) / std::max(*change.base_ms, least_time);
@@ -29,6 +29,9 @@ std::vector<StageChange> list_stages(const RowChange& row) {
   }
   return stages;
 }
+
+/// The number of a part, for LogDifference::kind.
+int kind_of(TimedPart part) { return static_cast<int>(std::ranges::find(all_parts, part) - std::begin(all_parts)); }
 
 /// What the load of the machine explains of a row's times.
 double slack(const Record& base, const Record& contender) {
@@ -47,7 +50,7 @@ void judge_contenders(Comparison& result, const std::vector<LogDifference>& diff
   std::vector<int> groups;
   std::vector<LogDifference> members;
   const auto enter = [&](std::size_t k, const std::string& contender) {
-    const auto stage = static_cast<Stage>(differences[k].kind);
+    const TimedPart stage = all_parts[differences[k].kind];
     const auto same = [&](const OverallChange& c) { return c.contender == contender && c.stage == stage; };
     const auto found = std::ranges::find_if(changes, same);
     groups.push_back(static_cast<int>(found - changes.begin()));
@@ -55,9 +58,9 @@ void judge_contenders(Comparison& result, const std::vector<LogDifference>& diff
     if (found == changes.end()) changes.push_back({.contender = contender, .stage = stage});
     ++changes[static_cast<std::size_t>(groups.back())].times;
   };
-  for (const Stage stage : timed_stages)
+  for (const TimedPart part : repeated_parts)
     for (std::size_t k = 0; k < differences.size(); ++k)
-      if (differences[k].kind == static_cast<int>(stage)) enter(k, "");
+      if (differences[k].kind == kind_of(part)) enter(k, "");
   for (std::size_t k = 0; k < differences.size(); ++k) enter(k, owners[k]);
 
   const double floor = std::log1p(result.options.floor);
@@ -85,16 +88,16 @@ void judge_times(Comparison& result) {
   std::vector<std::string> owners;  // contenders
   // Build does not depend on the light, so all rows of a contender on a scene have the same times: judged once.
   std::set<std::tuple<std::string, ProcessTimes, ProcessTimes>> builds;
-  const auto is_repeated = [&](const Record& base, const Record& contender, Stage stage) {
+  const auto is_repeated = [&](const Record& base, const Record& contender, TimedPart part) {
     const std::string setting = base.scene + '|' + base.technique + '|' + base.settings;
-    return stage == Stage::build && !builds.emplace(setting, base.times(stage), contender.times(stage)).second;
+    return part == Stage::build && !builds.emplace(setting, times_of(base, part), times_of(contender, part)).second;
   };
   std::map<std::string, int> scenes, places, techniques;
   for (RowChange& row : result.rows) {
     if (!row.base || !row.contender || row.base->status != Status::ok || row.contender->status != Status::ok) continue;
     row.stages = list_stages(row);
     for (StageChange& change : row.stages) {
-      const ProcessTimes &base = row.base->times(change.stage), &contender = row.contender->times(change.stage);
+      const ProcessTimes &base = times_of(*row.base, change.stage), &contender = times_of(*row.contender, change.stage);
       std::optional<LogDifference> difference =
           result.side_by_side ? paired_difference(base, contender, least_time) : log_difference(base, contender, least_time);
       if (context_text(*row.base, "scene_hash") != context_text(*row.contender, "scene_hash"))
@@ -112,7 +115,7 @@ void judge_times(Comparison& result) {
       else if (!result.refusal.empty())
         change.why = result.refusal;
       if (!change.why.empty()) continue;
-      difference->kind = static_cast<int>(change.stage);
+      difference->kind = kind_of(change.stage);
       difference->batch = scenes.try_emplace(row.base->scene, static_cast<int>(scenes.size())).first->second;
       const std::string place = row.base->scene + '|' + row.base->light;
       difference->place = places.try_emplace(place, static_cast<int>(places.size())).first->second;

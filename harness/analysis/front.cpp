@@ -1,7 +1,6 @@
 #include "analysis/front.h"
 
 #include <cmath>
-#include <limits>
 
 #include "analysis/in_order.h"
 
@@ -63,7 +62,7 @@ Candidate candidate_of(const Record& r, const FieldOptions& options) {
   candidate.cost = cost_of(r, options.cost);
   const Cost time = options.cost == Cost::bytes ? Cost::light : options.cost;
   candidate.time = options.cost == Cost::bytes ? cost_of(r, time) : candidate.cost;
-  candidate.log_time = sample_of(r, stages_of(time)).log_time();
+  candidate.log_time = sample_of(r, parts_of(time)).log_time();
   if (options.cost != Cost::bytes) candidate.log_cost = candidate.log_time;
   if (r.bytes) candidate.bytes = static_cast<double>(*r.bytes);
   return candidate;
@@ -81,7 +80,7 @@ Candidate mean_of(const std::vector<const Record*>& rows, const FieldOptions& op
         sizes.push_back(static_cast<double>(*row->bytes));
         continue;
       }
-      samples.push_back(sample_of(*row, stages_of(cost)));
+      samples.push_back(sample_of(*row, parts_of(cost)));
       if (!samples.back().is_timed()) return std::nullopt;
     }
     if (cost != Cost::bytes) return bootstrap(samples, geometric_mean);
@@ -92,7 +91,7 @@ Candidate mean_of(const std::vector<const Record*>& rows, const FieldOptions& op
   const auto geometric_log = [&](Cost cost) -> std::optional<LogTime> {
     std::vector<LogTime> times;
     for (const Record* row : rows) {
-      const std::optional<LogTime> time = sample_of(*row, stages_of(cost)).log_time();
+      const std::optional<LogTime> time = sample_of(*row, parts_of(cost)).log_time();
       if (!time) return std::nullopt;
       times.push_back(*time);
     }
@@ -163,37 +162,14 @@ Field overall(std::span<const Record> records, RowsBySetting settings, const Fie
   return field;
 }
 
-/// 1, 2, 5, 10, ... x 10^k within a factor of 2.5 of both ends, so that the first budget shuts out a contender and the last one
-/// admits all.
-std::vector<double> round_numbers(double least, double greatest, std::size_t most) {
-  std::vector<double> numbers;
-  if (!(least > 0 && least <= greatest) || !std::isfinite(greatest)) return numbers;  // nothing above 0: there is no least
-  constexpr int greatest_power = std::numeric_limits<double>::max_exponent10;
-  for (int k = static_cast<int>(std::floor(std::log10(least))); k <= greatest_power && std::pow(10, k) <= greatest * 10; ++k)
-    for (const double digit : {1.0, 2.0, 5.0}) {
-      // Exact powers of ten, also below 1: 2 x 10^-1 is 2 / 10, which is the double that 0.2 reads as.
-      const double number = k < 0 ? digit / std::pow(10, -k) : digit * std::pow(10, k);
-      const bool covers_all = !numbers.empty() && numbers.back() >= greatest;
-      if (number >= least && std::isfinite(number) && !covers_all) numbers.push_back(number);
-    }
-  while (numbers.size() > most) {
-    // Every other one goes, the last stays.
-    std::vector<double> kept;
-    for (std::size_t i = (numbers.size() - 1) % 2; i < numbers.size(); i += 2) kept.push_back(numbers[i]);
-    numbers = std::move(kept);
-  }
-  return numbers;
-}
-
-/// Of those who meet a budget of error, those whose time is not told apart from the winner's.
-void keep_not_told_apart(const std::vector<Candidate>& all, Best& best) {
-  std::vector<Contrast> contrasts;
-  for (const std::size_t k : best.also)
-    if (all[k].log_time && all[*best.winner].log_time)
-      contrasts.push_back({*all[k].log_time, *all[*best.winner].log_time, best.also.size() + 1});
-  const std::vector<bool> told = told_apart(contrasts);
-  std::size_t next = 0;
-  std::erase_if(best.also, [&](std::size_t k) { return all[k].log_time && all[*best.winner].log_time && told[next++]; });
+/// The note on the rows that the cost of motion leaves out; empty where it leaves out none. Throws Error where no geometry
+/// moves.
+std::string still_rows(std::span<const Record> records) {
+  const auto is_still = [](const Record& r) { return r.status == Status::ok && !moves_geometry(r); };
+  const auto still = std::ranges::count_if(records, is_still);
+  if (std::ranges::none_of(records, moves_geometry))
+    throw Error("there is no cost of motion: the geometry of no row moves; run rows that follow an animation");
+  return still == 0 ? "" : fmt::format("left out: {} row{} whose geometry stands still", still, still == 1 ? "" : "s");
 }
 
 }  // namespace
@@ -201,11 +177,14 @@ void keep_not_told_apart(const std::vector<Candidate>& all, Best& best) {
 std::vector<Field> find_fields(std::span<const Record> records, const FieldOptions& options) {
   require_quantity(records, options.error);
   if (better(options.error).empty()) throw Error("{} has no better side: front and best cannot rank by it", options.error);
+  const std::string left_out = options.cost == Cost::motion ? still_rows(records) : "";
   std::vector<Field> fields;
   std::map<Place, std::size_t> places;
-  const auto has_error = [&](const Record& r) { return quantity(r, options.error).has_value(); };
+  const auto is_asked = [&](const Record& r) {
+    return (options.cost != Cost::motion || moves_geometry(r)) && quantity(r, options.error).has_value();
+  };
   for (const Record& r : records) {
-    if (r.status != Status::ok || !has_error(r)) continue;
+    if (r.status != Status::ok || !is_asked(r)) continue;
     const auto [found, is_new] = places.try_emplace(place_of(r), fields.size());
     if (is_new) fields.push_back({.place = place_of(r), .answer = r.answer, .candidates = {}, .notes = {}});
     Field& field = fields[found->second];
@@ -217,9 +196,10 @@ std::vector<Field> find_fields(std::span<const Record> records, const FieldOptio
   if (std::ranges::none_of(fields, [&](const Field& f) { return std::ranges::any_of(f.candidates, competes); }))
     throw Error("there is nothing to rank: no contender finished with a {}", options.error);
   for (Field& field : fields) add_relative_costs(field);
+  if (!left_out.empty()) fields.front().notes.push_back(left_out);
   for (const AnswerKind of : all_answer_kinds) {
     if (std::ranges::count_if(fields, [&](const Field& f) { return f.place && f.answer == of; }) < 2) continue;
-    const auto is_wanted = [&](const Record& r) { return r.answer == of && has_error(r); };
+    const auto is_wanted = [&](const Record& r) { return r.answer == of && is_asked(r); };
     fields.push_back(overall(records, rows_by_setting(records, is_wanted), options, of));
   }
   return fields;
@@ -279,64 +259,6 @@ std::vector<FrontEntry> find_front(const Field& field, std::string_view directio
   for (std::size_t k = 0; k < told.size(); ++k)
     if (told[k]) stands[owners[k]].standing = Standing::beaten;
   return stands;
-}
-
-Budgets round_budgets(std::span<const Field> fields, std::size_t most) {
-  struct Range {
-    double least = INFINITY, greatest = 0;
-    void add(double value) {
-      if (value <= 0) return;
-      least = std::min(least, value);
-      greatest = std::max(greatest, value);
-    }
-  };
-  Range times, memories, errors;
-  for (const Field& field : fields)
-    for (const Candidate& c : field.candidates) {
-      if (!c.may_be_best()) continue;
-      if (c.time) times.add(c.time->value);
-      if (c.bytes) memories.add(*c.bytes / (1024 * 1024));
-      errors.add(c.error);
-    }
-  Budgets budgets{round_numbers(times.least, times.greatest, most), round_numbers(memories.least, memories.greatest, most),
-                  round_numbers(errors.least, errors.greatest, most)};
-  for (double& memory : budgets.memories) memory *= 1024 * 1024;
-  return budgets;
-}
-
-std::vector<Best> find_best(const Field& field, const Budgets& budgets, std::string_view direction) {
-  std::vector<Best> rows;
-  const std::vector<Candidate>& all = field.candidates;
-  // The winner among those that `keeps` allows, by `beats`; `ties` says who is as good.
-  const auto choose = [&](std::string what, double budget, auto keeps, auto beats, auto ties) {
-    Best best{.what = std::move(what), .budget = budget, .winner = {}, .also = {}};
-    const auto competes = [&](const Candidate& c) { return c.may_be_best() && keeps(c); };
-    for (std::size_t i = 0; i < all.size(); ++i)
-      if (competes(all[i]) && (!best.winner || beats(all[i], all[*best.winner]))) best.winner = i;
-    for (std::size_t i = 0; best.winner && i < all.size(); ++i)
-      if (i != *best.winner && competes(all[i]) && ties(all[i], all[*best.winner])) best.also.push_back(i);
-    rows.push_back(std::move(best));
-  };
-  const auto time_of = [](const Candidate& c) { return c.time ? c.time->value : INFINITY; };
-  const auto lower_error = [&](const Candidate& a, const Candidate& b) {
-    const double mine = a.ranked_error(), other = b.ranked_error();
-    return mine != other ? is_better(direction, mine, other) : time_of(a) < time_of(b);
-  };
-  const auto same_error = [](const Candidate& a, const Candidate& b) { return a.ranked_error() == b.ranked_error(); };
-  for (const double budget : budgets.times)
-    choose(
-        "time", budget, [&](const Candidate& c) { return time_of(c) <= budget; }, lower_error, same_error);
-  for (const double budget : budgets.memories)
-    choose(
-        "memory", budget, [&](const Candidate& c) { return c.bytes && *c.bytes <= budget; }, lower_error, same_error);
-  for (const double budget : budgets.errors) {
-    choose(
-        "error", budget, [&](const Candidate& c) { return c.time && !is_better(direction, budget, c.error); },
-        [&](const Candidate& a, const Candidate& b) { return time_of(a) < time_of(b); },
-        [](const Candidate& a, const Candidate& b) { return a.time->value == b.time->value || (a.log_time && b.log_time); });
-    keep_not_told_apart(all, rows.back());
-  }
-  return rows;
 }
 
 }  // namespace gnomon

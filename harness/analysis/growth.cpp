@@ -88,15 +88,15 @@ Growth fit(const AxisSeries& series, std::string stage, Points points) {
 
 void add_stages(const std::vector<AxisSeries>& all, Growths& growths) {
   for (const AxisSeries& series : all) {
-    for (const Stage stage : timed_stages) {
+    for (const TimedPart part : repeated_parts) {
       Points points;
       for (const auto& [x, record] : series.rows) {
-        Sample sample({record->times(stage)});
+        Sample sample({times_of(*record, part)});
         if (!sample.is_timed()) continue;
         points.sums.push_back({.x = x, .terms = {points.samples.size()}});
         points.samples.push_back(std::move(sample));
       }
-      if (!points.sums.empty()) growths.rows.push_back(fit(series, std::string(name(stage)), std::move(points)));
+      if (!points.sums.empty()) growths.rows.push_back(fit(series, std::string(name(part)), std::move(points)));
     }
   }
 }

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <set>
 
+#include "measure/score/metrics.h"
+
 namespace gnomon {
 
 namespace {
@@ -27,12 +29,24 @@ std::optional<PathErrors::Range> range_of(std::span<const std::optional<double>>
 
 }  // namespace
 
+bool PathErrors::has_over_time() const {
+  return std::ranges::any_of(over_time, [](const std::optional<double>& value) { return value.has_value(); });
+}
+
+std::vector<std::string> names_over_time() {
+  std::vector<std::string> names;
+  for (const MetricInfo& info : metric_infos())
+    if (info.of == MetricInfo::Of::row) names.emplace_back(info.name);
+  return names;
+}
+
 std::vector<PathErrors> find_motion(std::span<const Record> records, const std::string& error) {
   std::vector<PathErrors> rows;
   std::set<std::string> metrics;
+  const std::vector<std::string> over_time = names_over_time();
   for (const Record& r : records) {
     if (r.path.empty() || r.status != Status::ok || r.frames.empty()) continue;
-    PathErrors row{.record = &r, .frames = 0, .instability = {}, .error = {}};
+    PathErrors row{.record = &r, .frames = 0, .instability = {}, .error = {}, .over_time = {}};
     for (const auto& [metric, values] : r.frames) {
       metrics.insert(metric);
       row.frames = std::max(row.frames, values.size());
@@ -43,6 +57,7 @@ std::vector<PathErrors> find_motion(std::span<const Record> records, const std::
     };
     row.instability = range("instability");
     row.error = range(error);
+    for (const std::string& metric : over_time) row.over_time.push_back(r.metric(metric));
     rows.push_back(row);
   }
   if (rows.empty()) throw Error("no row of these records follows a path; a suite asks for it with paths = [...] in a group");

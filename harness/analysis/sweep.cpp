@@ -8,8 +8,8 @@ namespace {
 
 /// The quantity with its interval, where it is a time.
 std::optional<ValueWithInterval> measured_quantity(const Record& record, std::string_view wanted) {
-  if (const std::optional<Stage> stage = stage_of_time(wanted)) {
-    const Sample sample = sample_of(record, {&*stage, 1});
+  if (const std::span<const TimedPart> parts = parts_of_time(wanted); !parts.empty()) {
+    const Sample sample = sample_of(record, parts);
     return sample.is_timed() ? std::optional(sample.estimate()) : std::nullopt;
   }
   const std::optional<double> value = quantity(record, wanted);

@@ -20,7 +20,7 @@ const std::map<std::string, std::vector<std::string>> taken_options{
     {"map", {"--x", "--y", "--facet", "--error"}},
     {"motion", {"--error"}},
     {"sweep", {"--x", "--error"}},
-    {"stages", {}},
+    {"stages", {"--cost"}},
     {"causes", {}},
 };
 
@@ -72,7 +72,9 @@ void add_shared_options(Command& command, const std::string& kinds, Options& opt
   command.option("--facet", &analysis.facet, "map: the third parameter, one map for each of its values");
   command.option("--error,--metric", &analysis.metric,
                  "What is compared, and what grows: a metric, cause.NAME, STAGE_ms, bytes");
-  command.option("--cost", &options.cost, "resolve, light (relight + resolve), geometry (with build) or bytes");
+  command.option("--cost", &options.cost,
+                 "resolve, light (relight + resolve), geometry (another scene: build too), motion (the geometry moves: update "
+                 "+ relight + resolve) or bytes");
 }
 
 /// Takes the kind of analysis or figure, the last of the words, off the folders before it. Throws Error, which begins with
@@ -133,6 +135,7 @@ void make_figure(PictureOptions& options, const Command& command) {
   if (options.out.empty() && !options.script) throw Error("figure needs --out FILE.svg, .pdf or .png, or --script");
   const std::filesystem::path out = options.out.empty() ? "figure.svg" : options.out;
   options.figure.analysis = options.analysis;
+  if (command.is_given("--cost")) options.figure.bars = options.analysis.cost;
   const std::string program_text = figure_script(read_runs(options), kind, options.figure, out);
   if (options.script)
     fmt::print("{}", program_text);

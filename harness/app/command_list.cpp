@@ -47,7 +47,7 @@ void print_suites(bool as_json) {
     std::size_t rows = 0;
     for (const SuiteGroup& g : suite.groups)
       rows += g.scenes.size() * g.contenders.size() * std::max<std::size_t>(1, g.lights.size()) *
-              std::max<std::size_t>(1, g.views.size()) * std::max<std::size_t>(1, g.paths.size()) *
+              std::max<std::size_t>(1, g.views.size()) * std::max<std::size_t>(1, g.paths.size() + g.animations.size()) *
               std::max<std::size_t>(1, g.sizes.size());
     list.push_back({{"id", id}, {"title", suite.title}, {"rows", rows}});
     table.add_row({id, std::to_string(rows), suite.title});

@@ -9,6 +9,7 @@
 #include "measure/run/suite.h"
 #include "measure/scene/channels.h"
 #include "measure/scene/load.h"
+#include "measure/scene/motion.h"
 #include "measure/scene/names.h"
 
 namespace gnomon::app {
@@ -32,7 +33,9 @@ viewer::SideSelection parse_side(const std::string& option, const std::string& t
 int view(ViewCommand& options, const Program& program) {
   viewer::ViewOptions& view = options.view;
   viewer::Selection& selection = view.selection;
-  put_time(selection.scene, options.time);
+  // An animation without a time is played.
+  const std::string played = options.time.seconds ? "" : options.time.animation;
+  put_time(selection.scene, played.empty() ? options.time : TimeOption());
   view.workers = worker_options(program, options.threads);
   view.workers.keeps_shaders = true;  // a side should show soon, and its setup is not measured
   selection.sides[0] = parse_side("--technique", options.technique);
@@ -55,6 +58,8 @@ int view(ViewCommand& options, const Program& program) {
   if (names.size() > 1)
     for (const std::string& name : names) selection.together.push_back(named_or_first(scene.lights, name));
   selection.view = named_or_first(scene.views, options.view_name);
+  if (!played.empty())
+    selection.at = pose_at(find_path(scene, animation_of(scene, played).name, selection.light, selection.view), 0);
   for (const std::string& note : scene.notes) print_notice("note: {}\n", note);
   if (view.out.empty()) view.out = timed_folder("view");
   view.ends_by_itself = !options.keys.empty() || !view.screenshot.empty() || view.speed_seconds > 0;
@@ -70,7 +75,7 @@ void add_view(Program& program) {
   if (!registry().scenes().empty()) options.view.selection.scene = registry().default_scene().id;
   if (!registry().techniques().empty()) options.technique = registry().default_technique().id;
   command.option("--scene", &options.view.selection.scene, "Scene id, ID:param=value, or a scene or mesh file");
-  add_time_option(command, options.time);
+  add_time_option(command, options.time, "Shows the scene at the first frame of this animation, to be played");
   command.option("--technique", &options.technique, "Technique of the left side: id, or ID:param=value,...");
   command.option("--against", &options.against, "Technique of the right side; the reference by default",
                  {.check = not_empty()});

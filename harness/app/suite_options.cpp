@@ -11,6 +11,15 @@ namespace {
 
 constexpr const char* picture_words[] = {"all", "masks", "none"};  // in the order of Suite::Pictures
 
+/// The animation of the stills that the options ask for; empty: the first of each scene, or the suite's.
+std::string animation_of_stills(const SuiteOptions& options) {
+  if (options.times.empty()) return {};
+  if (options.animations.size() > 1)
+    throw Error("--time {} is of stills of one animation; --animation names {}: {}", options.times.front(),
+                options.animations.size(), joined(options.animations, ", "));
+  return options.animations.empty() ? "" : options.animations.front();
+}
+
 Suite chosen_suite(const SuiteOptions& options, const std::string& command) {
   if (!options.suite.empty()) {
     if (!options.scenes.empty() || !options.techniques.empty())
@@ -22,23 +31,59 @@ Suite chosen_suite(const SuiteOptions& options, const std::string& command) {
   Suite suite;
   suite.name = "adhoc";
   SuiteGroup& group = suite.groups.emplace_back();
-  group.scenes = at_times(options.scenes, options.animation, options.times);
+  group.scenes = at_times(options.scenes, animation_of_stills(options), options.times);
   for (const std::string& technique : options.techniques)
     for (Contender& contender : parse_contenders(technique)) group.contenders.push_back(std::move(contender));
   return suite;
 }
 
-/// A suite's scenes at the times of the options, each once, in place of the suite's own times. Their animations stay unless the
-/// options name one.
-std::vector<std::string> retimed(const std::vector<std::string>& scenes, const SuiteOptions& options) {
+/// A suite's scenes at the times of the options, each once, in place of the suite's own times and of rows that follow its
+/// animations. Their animations stay unless the options name one.
+void put_times(SuiteGroup& group, const SuiteOptions& options) {
+  std::string animation = animation_of_stills(options);
+  if (animation.empty() && !group.animations.empty()) {
+    if (group.animations.size() > 1 || group.animations.front() == every_animation)
+      throw Error("--time {} is of stills of one animation, and the suite has {}: --animation names the one",
+                  options.times.front(), joined(group.animations, ", "));
+    animation = group.animations.front();
+  }
   std::vector<std::string> stills;
-  for (const std::string& scene : scenes) {
+  for (const std::string& scene : group.scenes) {
     const TimedReference timed = split_time(scene);
     const std::string own = timed.at ? timed.at->animation : "";
-    for (std::string& still : at_times({timed.scene}, options.animation.empty() ? own : options.animation, options.times))
+    for (std::string& still : at_times({timed.scene}, animation.empty() ? own : animation, options.times))
       if (std::ranges::find(stills, still) == stills.end()) stills.push_back(std::move(still));
   }
-  return stills;
+  group.scenes = std::move(stills);
+  group.animations.clear();
+  group.times = {};
+}
+
+/// The option of frames that is given, as the user wrote it; empty without one.
+std::string given_frames(const SuiteOptions& options) {
+  if (options.frames) return fmt::format("--frames {}", options.frames);
+  if (options.frame_rate) return fmt::format("--frame-rate {}", *options.frame_rate);
+  return options.start ? fmt::format("--start {}", *options.start) : "";
+}
+
+/// Paths and animations of the options, and which frames rows on these have.
+void put_motion(Suite& suite, const SuiteOptions& options) {
+  const std::string frames = given_frames(options);
+  if (!frames.empty() && !options.times.empty())
+    throw Error("{} is for rows that follow an animation, and --time {} is of stills: give one of both", frames,
+                options.times.front());
+  bool follows = false;
+  for (SuiteGroup& group : suite.groups) {
+    if (!options.paths.empty()) group.paths = options.paths;
+    if (options.times.empty() && !options.animations.empty()) group.animations = options.animations;
+    if (group.animations.empty()) continue;
+    follows = true;
+    if (options.frames) group.times.frames = options.frames;
+    if (options.frame_rate) group.times.frame_rate = options.frame_rate;
+    if (options.start) group.times.start = *options.start + 0.0;  // minus zero is zero
+  }
+  if (!frames.empty() && !follows)
+    throw Error("{} is for rows that follow an animation, and none does: name one by --animation", frames);
 }
 
 }  // namespace
@@ -48,9 +93,10 @@ Suite make_suite(const SuiteOptions& options, const std::string& command) {
   for (SuiteGroup& group : suite.groups) {
     if (!options.lights.empty()) group.lights = options.lights;
     if (!options.views.empty()) group.views = options.views;
-    if (!options.suite.empty() && !options.times.empty()) group.scenes = retimed(group.scenes, options);
+    if (!options.suite.empty() && !options.times.empty()) put_times(group, options);
     if (options.global_samples) group.global_samples = options.global_samples;
   }
+  put_motion(suite, options);
   if (!options.size.empty()) {
     std::tie(suite.width, suite.height) = parse_size(options.size, "--size");
     for (SuiteGroup& group : suite.groups) group.sizes.clear();
@@ -76,12 +122,20 @@ void add_suite_options(Command& command, SuiteOptions& options, const std::strin
     return command.option(name, target, when + sentence, rules);
   };
   add("--scene", &options.scenes, "Scene ids or files, instead of a suite");
-  const auto time =
-      add("--time", &options.times,
-          "Seconds at which scenes that move are shown, each a still; the suite's by default, or as files have them",
-          {.check = not_negative(), .delimiter = ','});
-  command.option("--animation", &options.animation, when + "With --time: animation of the scenes; each one's first by default",
-                 {.check = not_empty(), .needs = time});
+  add("--time", &options.times,
+      "Seconds at which scenes that move are shown, each a still; the suite's by default, or as files have them",
+      {.check = not_negative(), .delimiter = ','});
+  add("--animation", &options.animations,
+      "Animations of the scenes, * for each: rows follow them frame by frame. With --time: the one of the stills, each scene's "
+      "first by default",
+      {.check = not_empty(), .delimiter = ','});
+  add("--frames", &options.frames, "Frames of rows that follow an animation; up to its last key by default",
+      {.check = whole_in(least_frames, most_frames)});
+  add("--frame-rate", &options.frame_rate, "Their frames per second; 60 by default", {.check = above_zero()});
+  add("--start", &options.start, "Seconds of the animation at their first frame; 0 by default", {.check = not_negative()});
+  add("--path", &options.paths,
+      "Paths of camera or light that rows follow: of the scene, or camera_slide, light_slide; the suite's by default",
+      {.check = not_empty(), .delimiter = ','});
   add("--technique", &options.techniques, "ID:param=value,...; {a,b} sweeps a value", {.delimiter = ';'});
   add("--light", &options.lights, "Light names; the suite's, or all of each scene, by default", {.delimiter = ','});
   add("--view", &options.views, "View names, * in one stands for any letters; the suite's, or each scene's first, by default",

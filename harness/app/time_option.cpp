@@ -4,13 +4,14 @@
 
 namespace gnomon::app {
 
-void add_time_option(Command& command, TimeOption& option) {
+void add_time_option(Command& command, TimeOption& option, const std::string& alone) {
   const auto time =
       command.option("--time", &option.seconds,
                      "Seconds at which a scene that moves is shown, as SCENE@SECONDS; as its file has it by default",
                      {.check = not_negative()});
-  command.option("--animation", &option.animation, "With --time: animation of the scene; the first by default",
-                 {.check = not_empty(), .needs = time});
+  command.option("--animation", &option.animation,
+                 alone + (alone.empty() ? "With" : "; with") + " --time: animation of the scene; the first by default",
+                 {.check = not_empty(), .needs = alone.empty() ? time : nullptr});
 }
 
 void put_time(std::string& scene, const TimeOption& option) {

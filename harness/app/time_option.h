@@ -12,8 +12,8 @@ struct TimeOption {
   std::string animation;
 };
 
-/// Adds `--time` and `--animation`.
-void add_time_option(Command& command, TimeOption& option);
+/// Adds `--time` and `--animation`. `alone` says what the animation does without a time; empty: it needs one.
+void add_time_option(Command& command, TimeOption& option, const std::string& alone = "");
 /// Makes the scene's reference that of a still at the time; without one the reference gets its canonical form. Throws Error
 /// where the scene has a time already.
 void put_time(std::string& scene, const TimeOption& option);

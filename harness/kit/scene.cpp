@@ -53,6 +53,12 @@ std::size_t Scene::triangle_count() const {
   return count;
 }
 
+Bounds Mesh::reached() const {
+  Bounds bounds = reach;
+  if (bounds.empty()) bounds.add(positions);
+  return bounds;
+}
+
 Bounds Scene::bounds() const {
   Bounds bounds;
   for (const Mesh& mesh : meshes) bounds.add(mesh.positions);
@@ -106,11 +112,9 @@ std::vector<std::uint32_t> weld(std::span<const glm::vec3> positions, std::span<
   return first;
 }
 
-namespace {
-
-/// Exact: float differences and their products are exact in quadruple precision unless exponents differ by more than 60 bits,
-/// where no float32 scene of finite size lives. Most triangles are so far from it that double, whose differences and products
-/// err by 2^-53 of themselves, is sure.
+// Float differences and their products are exact in quadruple precision unless exponents differ by more than 60 bits, where no
+// float32 scene of finite size lives. Most triangles are so far from it that double, whose differences and products err by
+// 2^-53 of themselves, is sure.
 bool is_degenerate(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c) {
   const glm::dvec3 u = glm::dvec3(b) - glm::dvec3(a), v = glm::dvec3(c) - glm::dvec3(a);
   const auto surely_differ = [](double p, double q) { return std::abs(p - q) > 0x1p-49 * (std::abs(p) + std::abs(q)); };
@@ -121,8 +125,6 @@ bool is_degenerate(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c) {
   const Quad vx = Quad(c.x) - a.x, vy = Quad(c.y) - a.y, vz = Quad(c.z) - a.z;
   return uy * vz == uz * vy && uz * vx == ux * vz && ux * vy == uy * vx;
 }
-
-}  // namespace
 
 MeshFacts measure_facts(const std::vector<glm::vec3>& positions, const std::vector<glm::uvec3>& triangles) {
   const std::vector<std::uint32_t> first = weld(positions);

@@ -1,4 +1,4 @@
-"""Shadow techniques in Python, for Gnomon: a class with up to four stages, and `serve`. See docs/protocol.md.
+"""Shadow techniques in Python, for Gnomon: a class with up to five stages, and `serve`. See docs/protocol.md.
 
     from gnomon_technique import Technique, serve
 
@@ -36,6 +36,12 @@ class Technique:
 
     def build(self, scene):
         """Geometry: see Scene."""
+
+    def update(self, scene, changes):
+        """The vertices of the scene that build got have moved; all else is as it was. `scene` is a new Scene with their new
+        positions; arrays of the one before still hold the old ones. `changes` has an entry for each mesh that moved, see Change.
+        It may keep what no change spoils, and relight follows. A class that does not define it builds."""
+        self.build(scene)
 
     def relight(self, light):
         """A light: `light.kind` is "point", "spot", "directional", "rect", "disc" or "sphere"; the rest are the keys of a scene
@@ -91,6 +97,22 @@ class Scene:
         casts = np.array([mesh.casts for mesh in self.meshes], bool)
         chosen = casts[self.mesh] if casters_only else slice(None)
         return self.position[self.triangle[chosen]].astype(float)
+
+
+class Change:
+    """How a mesh moved: `mesh`, its number; `kind`, "rigid" or "deformed"; `first` and `count`, the vertices in the scene's `position`
+    that hold all that differ; `before` and `after`, the least and the greatest corner of the whole mesh, 2 x 3, float32; `matrix`, 4 x 4, of
+    a rigid one: position = matrix @ position before, but for rounding; None of another."""
+
+    def __init__(self, facts):
+        self.mesh, self.kind, self.first, self.count = facts["mesh"], facts["kind"], facts["first"], facts["count"]
+        self.before, self.after = np.array(facts["before"], np.float32), np.array(facts["after"], np.float32)
+        self.matrix = np.array(facts["matrix"], float) if "matrix" in facts else None
+
+    @property
+    def vertices(self):
+        """A slice of `position`."""
+        return slice(self.first, self.first + self.count)
 
 
 class GBuffer:
@@ -159,7 +181,8 @@ class _Server:
         if doing == "hello":
             self.threads, self.folder = request["threads"], request["folder"]
             self.fresh()
-            return {"protocol": PROTOCOL}
+            updates = type(self.technique).update is not Technique.update
+            return {"protocol": PROTOCOL} | ({"stages": ["update"]} if updates else {})
         technique = self.technique
         technique.settings = SimpleNamespace(**request["settings"])
         if doing == "supports":
@@ -185,6 +208,8 @@ class _Server:
             return (), None
         if doing == "build":
             return (Scene(request["scene"]),), None
+        if doing == "update":
+            return (Scene(request["scene"]), [Change(facts) for facts in request["changes"]]), None
         if doing == "relight":
             return (_values(request["light"]),), None
         mask = np.memmap(request["mask"]["file"], dtype="float32", mode="r+", shape=tuple(request["mask"]["shape"]))

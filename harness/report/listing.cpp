@@ -1,5 +1,6 @@
 #include "report/listing.h"
 
+#include "measure/program/description.h"
 #include "report/pages.h"
 #include "report/table/text_table.h"
 
@@ -9,15 +10,17 @@ namespace {
 
 Json about_json(const TechniqueEntry& entry) {
   const About& about = entry.about;
-  return {{"id", entry.id},
-          {"title", about.title},
-          {"role", name(about.role)},
-          {"promise", name(about.promise)},
-          {"sees", name(about.sees)},
-          {"handles", handled(about)},
-          {"needs_gl", about.needs_gl},
-          {"summary", about.summary},
-          {"named_only", about.named_only}};
+  Json json = {{"id", entry.id},
+               {"title", about.title},
+               {"role", name(about.role)},
+               {"promise", name(about.promise)},
+               {"sees", name(about.sees)},
+               {"handles", handled(about)},
+               {"needs_gl", about.needs_gl},
+               {"summary", about.summary},
+               {"named_only", about.named_only}};
+  if (const auto stages = described_stages(entry); !stages.empty()) json["stages"] = stages;
+  return json;
 }
 
 std::string hex(const std::array<std::uint8_t, 3>& color) {
@@ -120,6 +123,7 @@ std::string describe_text(const TechniqueEntry& entry, std::size_t width, std::s
   add("promise", name(about.promise));
   add("sees", name(about.sees));
   add("handles", joined(handled(about), ", "));
+  if (const auto stages = described_stages(entry); !stages.empty()) add("stages", joined(stages, ", "));
   add("role", name(about.role));
   add("needs OpenGL", about.needs_gl ? "yes" : "no");
   if (about.floor != Floor::none) add("bare pass", name(about.floor));

@@ -34,7 +34,8 @@ void add_polygons(const Mesh& mesh, std::uint32_t m, std::uint32_t first, std::v
     if (is_done[t]) continue;
     is_done[t] = true;
     const Triangle triangle = mesh.corners(t);
-    if (triangle.normal() == glm::dvec3(0)) continue;
+    const auto& [a, b, c] = triangle.points;
+    if (triangle.normal() == glm::dvec3(0) || is_degenerate(a, b, c)) continue;
     CasterPolygon polygon{.corners = {}, .mesh = m, .triangles = {first + t, first + t}};
     std::ranges::copy(triangle.points, polygon.corners);
     for (int k = 0; k < 3; ++k) {

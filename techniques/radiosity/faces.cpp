@@ -41,8 +41,14 @@ void Faces::add_mesh(const Mesh& mesh, std::uint32_t index) {
   const auto corner_of = [&](std::uint32_t t, std::uint32_t k) {
     return glm::dvec3(mesh.positions[mesh.triangles[t][static_cast<int>(k % 3)]]);
   };
+  // Nothing lies on a triangle without area, and it sends nothing.
+  const auto has_area = [&](std::uint32_t t) {
+    const auto [a, b, c] = mesh.corners(t).points;
+    return !is_degenerate(a, b, c);
+  };
   // partner[t]: the other triangle, and the corner of t opposite to the edge that they share.
   for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+    if (!has_area(t)) continue;
     const auto vertex = [&](std::uint32_t k) { return same[mesh.triangles[t][static_cast<int>(k % 3)]]; };
     for (std::uint32_t k = 0; k < 3 && partner[t].first == alone; ++k) {
       const auto [begin, end] = open.equal_range(edge_of(vertex(k + 1), vertex(k + 2)));
@@ -66,7 +72,7 @@ void Faces::add_mesh(const Mesh& mesh, std::uint32_t index) {
   face_of_.resize(face_of_.size() + mesh.triangles.size());
   for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
     const auto [other, opposite] = partner[t];
-    if (other < t) continue;  // the face is there already
+    if (other < t || !has_area(t)) continue;  // the face is there already, or there is none
     const glm::dvec3 corner = corner_of(t, opposite);
     Face face{.corner = corner, .u = corner_of(t, opposite + 1) - corner, .v = corner_of(t, opposite + 2) - corner};
     face.normal = glm::normalize(glm::cross(face.u, face.v));

@@ -24,7 +24,8 @@ struct Face {
   std::uint32_t triangle_at(const glm::dvec2& place) const { return triangles[!is_triangle && place.x + place.y > 1]; }
 };
 
-/// All surfaces of a scene. Two triangles of a mesh that are a parallelogram together, to rounding of float32, are one face.
+/// All surfaces of a scene. Two triangles of a mesh that are a parallelogram together, to rounding of float32, are one face;
+/// one without area has none.
 class Faces {
  public:
   explicit Faces(const Scene& scene);

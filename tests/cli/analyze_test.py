@@ -18,7 +18,7 @@ def record(technique="shadow_map", scene="soup", settings="", cost=1.0, wrong=0.
     """A line of records.jsonl made by hand: three processes, each cost the same."""
     parameters = dict(pair.split("=") for pair in settings.split(",") if pair)
     row = {
-        "schema": 6, "job": "", "scene": scene, "light": "point", "lights": [{"name": "point", "kind": "point", "answer": "binary"}], "answer": "binary",
+        "schema": 7, "job": "", "scene": scene, "light": "point", "lights": [{"name": "point", "kind": "point", "answer": "binary"}], "answer": "binary",
         "technique": technique, "settings": settings,
         "parameters": {key: json.loads(value) for key, value in parameters.items()}, "width": 640, "height": 360,
         "status": "ok", "role": "contender", "bytes": 1 << 20, "classes": {"T": 1000},
@@ -114,7 +114,7 @@ class Analyze(ProgramTest):
         self.refuse("analyze", run, "front", "--times", "1", says=["--times is for best"])
         self.refuse("analyze", run, "best", "--cost", "bytes", says=["--cost bytes", "--memories"])
         self.refuse("analyze", run, "map", "--x", "a", "--y", "a", says=["--x and --y are both a"])
-        self.refuse("figure", run, "stages", "--cost", "light", "--script", says=["--cost is for front; stages"])
+        self.refuse("figure", run, "growth", "--cost", "light", "--script", says=["--cost is for front and stages; growth"])
         self.refuse("analyze", run, "sweep", "--x", "a", "--y", "b", says=["--y is for map; sweep does not take it"])
 
     def test_numbers_are_numbers(self):
@@ -144,6 +144,28 @@ class Analyze(ProgramTest):
         self.assertRegex(self.succeed("analyze", run, "front", "--all"), r"(?m)^bad +20\.0 +10\.0 .*beaten \(slow\)")
         memory = {row["setting"]: row["standing"] for row in self.rows(run, "front", "--cost", "bytes")}
         self.assertEqual(memory, {"fast": "beaten", "slow": "front", "bad": "beaten", "truth": "aside"})
+
+    def test_the_cost_of_motion_is_of_rows_whose_geometry_moves(self):
+        def moving(update, wrong):
+            one = record(cost=1, wrong=wrong, settings=f"k={update}", path="walk", start=0, frame_rate=60)
+            return {**one, "stages": {**one["stages"], "update": 3 * [[update]]}, "moving_stages": {"relight": 3 * [[0.5]], "resolve": 3 * [[2]]}}
+
+        run = self.run_of(moving(1, 0.2), moving(4, 0.1), moving(5, 0.3), record("still"))
+        rows = {row["setting"]: (float(row["cost_ms"]), row["standing"]) for row in self.rows(run, "front", "--cost", "motion")}
+        self.assertEqual(rows, {"shadow_map:k=1": (3.5, "front"), "shadow_map:k=4": (6.5, "front"), "shadow_map:k=5": (7.5, "beaten")})
+        text = self.succeed("analyze", run, "front", "--cost", "motion")
+        self.assertIn("Front of error in % against update + relight + resolve", text)
+        self.assertIn("left out: 1 row whose geometry stands still", text)
+        self.assertIn("shadow_map:k=4", self.succeed("analyze", run, "best", "--cost", "motion", "--times", "7"))
+        standing = self.run_of(record("still"), name="standing")
+        self.refuse("analyze", standing, "front", "--cost", "motion", says=["there is no cost of motion", "follow an animation"])
+        script = self.succeed("figure", run, "stages", "--cost", "motion", "--filter", "walk", "--script")
+        self.assertIn("'moving relight'", script)
+        self.assertNotIn("'build'", script)
+        self.refuse("figure", run, "stages", "--cost", "bytes", "--script", says=["--cost bytes has no stages", "motion"])
+        table = list(csv.DictReader(io.StringIO(self.succeed("table", run, "--format", "csv"))))
+        self.assertEqual([(row["update_ms"], row["motion_ms"], row["frame_rate"]) for row in table],
+                         [("1", "3.5", "60"), ("4", "6.5", "60"), ("5", "7.5", "60"), ("", "", "")])
 
     def test_what_does_not_beat_a_constant_mask_is_called_best_nowhere(self):
         def rated(name, cost, error):
@@ -238,7 +260,7 @@ class Analyze(ProgramTest):
         run = self.run_of(record())
         self.refuse("analyze", run, "fornt", says=["there is no analysis fornt; did you mean front?"])
         self.refuse("analyze", run, "front", "--error", "wrong_rat", says=["there is no wrong_rat; did you mean wrong_rate?"])
-        self.refuse("analyze", run, "front", "--cost", "money", says=["money", "resolve, light, geometry, bytes"])
+        self.refuse("analyze", run, "front", "--cost", "money", says=["money", "resolve, light, geometry, motion, bytes"])
         self.refuse("analyze", run, "growth", "--x", "triangels", says=["triangels", "triangles, pixels, lights"])
         self.refuse("analyze", run, "motion", says=["no row of these records follows a path"])
         self.refuse("analyze", run, "front", "--filter", "no such row", says=["holds no record that matches no such row"])

@@ -32,7 +32,7 @@ class Convert(ProgramTest):
         self.refuse("table", folder, says=["records.jsonl:1: schema = 2 is that of an older program", "scripts/convert_records"])
         before = records(folder)
         self.convert(folder)
-        self.assertEqual((folder / "records.jsonl").read_text(), (DATA / "records/schema_6.jsonl").read_text())
+        self.assertEqual((folder / "records.jsonl").read_text(), (DATA / "records/schema_7.jsonl").read_text())
         for old, new in zip(before, records(folder)):
             for truth, metrics in old["metrics"].items():
                 gone = ("error_mean", "penumbra_width_ratio", "penumbra_shift", "contact_hardening", "reference_error_mean")
@@ -47,6 +47,12 @@ class Convert(ProgramTest):
         self.assertIn("sphere_over_plane", text)
         self.convert(folder)
         self.assertEqual(self.succeed("table", folder), text)
+
+    def test_rows_of_schema_6_change_in_their_schema_alone(self):
+        folder = self.folder(6)
+        before = (folder / "records.jsonl").read_text()
+        self.convert(folder)
+        self.assertEqual((folder / "records.jsonl").read_text(), before.replace('{"schema":6,', '{"schema":7,'))
 
     def test_lights_together_and_lights_with_area_say_what_they_are(self):
         folder = self.folder(2)
@@ -77,7 +83,7 @@ class Convert(ProgramTest):
         self.assertEqual((folder / "records.jsonl").read_text(), text)
         self.assertIn("nowhere", self.convert("nowhere", status=2))
         good = (DATA / "records/schema_2.jsonl").read_text()
-        for bad, says in (("[]", "records.jsonl:3"), ('{"schema": 2}', "lacks"), ('{"schema": 7}', "no step leads from schema 7"), ("{", "records.jsonl:3")):
+        for bad, says in (("[]", "records.jsonl:3"), ('{"schema": 2}', "lacks"), ('{"schema": 8}', "no step leads from schema 8"), ("{", "records.jsonl:3")):
             (folder / "records.jsonl").write_text(good + bad + "\n")
             self.assertIn(says, self.convert(folder, status=2))
             self.assertEqual((folder / "records.jsonl").read_text(), good + bad + "\n")
@@ -87,7 +93,7 @@ class Convert(ProgramTest):
         # What a killed run left at the end is no line yet.
         (folder / "records.jsonl").write_text(good + '{"schema": 2, "jo')
         self.convert(folder)
-        self.assertEqual((folder / "records.jsonl").read_text(), (DATA / "records/schema_6.jsonl").read_text() + '{"schema": 2, "jo')
+        self.assertEqual((folder / "records.jsonl").read_text(), (DATA / "records/schema_7.jsonl").read_text() + '{"schema": 2, "jo')
 
     def test_scores_against_the_center_of_a_light_with_area_are_withdrawn(self):
         folder = self.folder(2)
@@ -102,7 +108,7 @@ class Convert(ProgramTest):
     def test_what_is_kept_has_today_s_schema(self):
         for file in sorted(ROOT.glob("results/*/records.jsonl")):
             with self.subTest(file.parent.name), open(file, encoding="utf-8") as lines:
-                self.assertEqual({json.loads(line)["schema"] for line in lines}, {6})
+                self.assertEqual({json.loads(line)["schema"] for line in lines}, {7})
 
 
 if __name__ == "__main__":

@@ -12,6 +12,7 @@ import numpy as np
 sys.path[:0] = [str(Path(__file__).resolve().parents[k]) for k in (0, 1)]
 from export_reader import read_evidence, read_exr  # noqa: E402
 from metrics_again import STEP, eye_rays, instability, is_glass, measure, measure_row, share  # noqa: E402
+from over_time_again import over_time  # noqa: E402
 from program import ProgramTest, records  # noqa: E402
 
 ROWS = (
@@ -37,6 +38,14 @@ view = [{ name = "before", eye = [2.6, 2.1, 5.0], target = [0.2, 0.2, 0.6], fov_
 path = [{ name = "way", moves = "camera", positions = [[2.6, 2.1, 5.0], [2.65, 2.1, 5.0]], frames = 2 }]
 """
 GROUP = '[[group]]\nscenes = ["moved.toml"]\nlights = ["point"]\ntechniques = ["shadow_map:resolution=64"]\n'
+
+# A fence under a lamp at eight places, which are the frames of a path, too: a key for each frame.
+PLACES = [[-1.5 + 0.0625 * k, 2.5, -3.5] for k in range(8)]
+SLID = f"""scene = "fence"
+view = [{{ name = "view", eye = [2.6, 2.1, 5.0], target = [0.2, 0.2, 0.6], fov_y_degrees = 40 }}]
+light = [{", ".join(f'{{ name = "lamp_{k}", kind = "point", position = {place} }}' for k, place in enumerate(PLACES))}]
+path = [{{ name = "way", moves = "light", positions = {PLACES}, frames = {len(PLACES)} }}]
+"""
 
 # Metrics that a mask and what `gnomon export` writes do not decide.
 LEFT_OUT = (
@@ -186,7 +195,7 @@ class Metrics(ProgramTest):
         for record in records(self.dir / "run"):
             self.assertEqual(record["status"], "ok", record["reason"])
             scene, view, light = (record[key] for key in ("scene", "view", "light"))
-            folder = self.dir / f"true_{view}"
+            folder = self.dir / f"true_{view}_{light}"
             self.succeed("export", "--scene", scene, "--view", view, "--light", light, "--size", SMALL[-1], "--out", folder)
             reference = record["lights"][0]["reference"]
             e = read_evidence(folder, light, None, reference and reference["estimates"])
@@ -233,6 +242,32 @@ class Metrics(ProgramTest):
         self.assertGreater(told, 0)
         self.assertEqual(record["frames"]["instability"], [None, told])
         self.assertAlmostEqual(value, told, delta=1e-6)
+        # The camera moves, so that no pixel shows one surface point for two frames.
+        for name in over_time([still["before"], still["now"]], 60):
+            self.assertIsNone(record["metrics"]["shape"][name], name)
+
+    def test_errors_over_time_are_what_the_frames_say(self):
+        # The frames of the path have the lamp at the places of eight lamps, so rows without motion have the masks of all.
+        self.write("slid.toml", SLID)
+        group = GROUP.replace("moved.toml", "slid.toml")
+        self.write("still.toml", group.replace('"point"', ", ".join(f'"lamp_{k}"' for k in range(len(PLACES)))))
+        still = {}
+        for record, (evidence,), _ in self.rows("still.toml"):
+            still[record["light"]] = evidence
+            self.assertNotIn("temporal_sd", record["metrics"]["shape"])
+        self.write("path.toml", group.replace('"point"', '"lamp_0"') + 'paths = ["way"]\n')
+        self.succeed("run", "path.toml", *SMALL, "--pictures", "none", "--quiet", "--out", "path")
+        (record,) = records(self.dir / "path")
+        told = record["metrics"]["shape"]
+        found = over_time([still[f"lamp_{k}"] for k in range(len(PLACES))], 60)
+        self.assertTrue(math.isnan(found["flicker_1_4"]))
+        for name in ("flicker_1_60", "flicker_1_15", "temporal_sd", "steady_share", "false_flips"):
+            self.assertGreater(told[name], 0, name)
+        for name, value in found.items():
+            with self.subTest(metric=name, found=value, recorded=told[name]):
+                self.assertEqual(told[name] is None, math.isnan(value))
+                if told[name] is not None:
+                    self.assertAlmostEqual(value, told[name], delta=1e-6 * max(1, value))
 
 
 def add_test(scene, light, technique):

@@ -227,7 +227,7 @@ class Rows(ProgramTest):
             (("--label", "...", "--out", "out"), ("'...'", "--technique")),
             (("--label", "x", "--technique", "a b", "--out", "out"), ("'a b'", "no id")),
             (("--label", "Shadow map", "--out", "out"), ("shadow_map", "--technique")),
-            (("--label", "x", "--ms", "resolve", "--out", "out"), ("--ms resolve", "setup, build, relight, resolve")),
+            (("--label", "x", "--ms", "resolve", "--out", "out"), ("--ms resolve", "setup, build, update, relight, resolve")),
             (("--label", "x", "--ms", "draw=1", "--out", "out"), ("--ms draw=1",)),
             (("--label", "x", "--ms", "build=-1", "--out", "out"), ("--ms build=-1",)),
             (("--label", "x", "--ms", "build=1,build=2", "--out", "out"), ("build twice",)),

@@ -10,6 +10,7 @@
 #include "measure/scene/blob.h"
 #include "measure/scene/import.h"
 #include "measure/scene/load.h"
+#include "measure/scene/posed_scene.h"
 #include "measure/worker/worker_client.h"
 #include "run_words.h"
 
@@ -33,6 +34,66 @@ Scene masked_scene() {
   mesh.alpha_mask = std::make_shared<const AlphaMask>(3, 2, alpha, 0.9f, 0.5f, AlphaMask::Wrap::mirror, AlphaMask::Wrap::clamp);
   mesh.uv.resize(mesh.positions.size(), glm::vec2(0.25f, 1.5f));
   return scene;
+}
+
+/// One triangle with a skin and a morph target, and a track of each kind.
+Scene moving_scene() {
+  Scene scene = small_scene();
+  const std::size_t count = scene.meshes[0].positions.size();
+  Motion motion;
+  motion.nodes.resize(3);
+  motion.nodes[0].weights = {0};
+  motion.nodes[2].parent = 1;
+  motion.skins = {{{1, 2}, {glm::dmat4(1), glm::dmat4(1)}}};
+  using Property = Track::Property;
+  motion.animations = {{"go",
+                        {{0, Property::weights, Track::Interpolation::linear, {0, 1}, {0, 1}},
+                         {1, Property::translation, Track::Interpolation::step, {0, 1}, {0, 0, 0, 1, 0, 0}},
+                         {2, Property::rotation, Track::Interpolation::linear, {0, 1}, {0, 0, 0, 1, 0, 1, 0, 0}},
+                         {2, Property::scale, Track::Interpolation::cubic, {0}, {0, 0, 0, 1, 1, 1, 0, 0, 0}}}}};
+  Rig rig{
+      .node = 0, .skin = 0, .placement = {}, .base = {}, .targets = {}, .joints_per_vertex = 2, .joints = {}, .weights = {}};
+  for (const glm::vec3& p : scene.meshes[0].positions) rig.base.emplace_back(p);
+  rig.targets.assign(count, glm::dvec3(0, 1, 0));
+  for (std::size_t v = 0; v < count; ++v) {
+    rig.joints.insert(rig.joints.end(), {0, 1});
+    rig.weights.insert(rig.weights.end(), {0.25, 0.75});
+  }
+  motion.rigs.push_back(std::move(rig));
+  scene.motion = std::make_shared<const Motion>(std::move(motion));
+  return scene;
+}
+
+/// Follows each of its animations, as a row does.
+void go_along(Scene& scene) {
+  PosedScene posed(scene);
+  for (std::size_t a = 0; scene.motion && a < scene.motion->animations.size(); ++a)
+    for (const double seconds : {0.0, 0.5}) {
+      posed.go_to(RowPose{.animation = scene.motion->animations[a].name, .seconds = seconds, .frame_rate = 2, .frames = 2});
+      posed.take_changes();
+    }
+  posed.go_to(std::nullopt);
+}
+
+/// What a worker hears that follows an animation: `open` is its first line.
+std::string requests_along(const std::string& open) {
+  Scene scene = moving_scene();
+  PosedScene posed(scene);
+  std::string lines = open + "\n";
+  for (const double seconds : {0.0, 0.5}) {
+    const RowPose at{.animation = "go", .seconds = seconds, .frame_rate = 2, .frames = 2};
+    posed.go_to(at);
+    const GoRequest go{.gbuffer = "small.gbuffer",
+                       .width = 4,
+                       .height = 4,
+                       .truth = Truth::mesh,
+                       .lights = {0},
+                       .pose = WantedPose{at, posed.hash()}};
+    lines += json_text(request_json(go)) + "\n";
+    lines += json_text(request_json(TimeRequest{.stage = Stage::update})) + "\n";
+    lines += json_text(request_json(MaskRequest{.mask = "w.mask"})) + "\n";
+  }
+  return lines;
 }
 
 std::string small_answer() {
@@ -163,6 +224,7 @@ Outcome read_blob(const fs::path& file, const std::string& bytes) {
   } else {
     Scene scene = scene_from_bytes(span);
     finish_scene(scene, file.string());
+    go_along(scene);
   }
   return Outcome::accepted;
 }
@@ -172,16 +234,20 @@ std::vector<Input> written_seeds(const std::string& kind, const fs::path& scratc
   if (kind == "blob")
     return {{0, "small.scene", text_of(scene_bytes(small_scene()))},
             {0, "masked.scene", text_of(scene_bytes(masked_scene()))},
+            {0, "moving.scene", text_of(scene_bytes(moving_scene()))},
             {0, "small.why", small_explanations()},
             {0, "small.detail", small_detail()}};
   if (kind == "requests") {  // what the requests of the seeds name
     write_file(scratch / "small.scene", scene_bytes(small_scene()));
+    write_file(scratch / "moving.scene", scene_bytes(moving_scene()));
     write_file(scratch / "small.light_and_view", light_and_view_bytes(small_scene().lights.at(0), small_scene().views.at(0)));
     std::vector<float> pixels(std::size_t{8} * 16, 0.1f);  // of 4x4, all on triangle 0 of mesh 0
     std::fill(pixels.begin() + 16 * 6, pixels.end(), 0.0f);
     write_file(scratch / "small.gbuffer", std::as_bytes(std::span(pixels)));
     const std::vector<std::uint32_t> places = {0, 5, 15};
     write_file(scratch / "small.pixels", std::as_bytes(std::span(places)));
+    const OpenRequest open{.scene = "moving.scene", .technique = "embree_rays", .settings = ""};
+    return {{0, "along.lines", requests_along(json_text(request_json(open)))}};
   }
   return {};
 }

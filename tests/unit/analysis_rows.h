@@ -35,6 +35,17 @@ inline Record row(const std::string& setting, double relight, double resolve, do
   return r;
 }
 
+/// The same row on an animation at 60 frames per second: three processes of one repetition each.
+inline Record moving(Record r, double update, double relight, double resolve) {
+  r.path = "walk";
+  r.start = 0;
+  r.frame_rate = 60;
+  r.times(Stage::update) = {{update}, {update}, {update}};
+  r.moving_times(Stage::relight) = {{relight}, {relight}, {relight}};
+  r.moving_times(Stage::resolve) = {{resolve}, {resolve}, {resolve}};
+  return r;
+}
+
 /// As if the best constant mask of its place had this error.
 inline Record with_constant(Record r, double constant_error) {
   r.metrics[Truth::shape]["constant_error"] = constant_error;

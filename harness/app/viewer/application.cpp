@@ -73,6 +73,7 @@ class Application {
     };
     if (session_.layout == Layout::flicker) until(flicker_seconds - std::fmod(now, flicker_seconds));
     if (const auto left = session_.motion_left()) until(*left);
+    if (const auto left = session_.frame_left()) until(*left);
     if (tooltip_time_) until(*tooltip_time_ - now);
     if (options_.ends_by_itself) until(FramePace::least_seconds);
     if (ImGui::GetIO().WantTextInput) until(0.3);
@@ -154,6 +155,7 @@ class Application {
     press_scripted();
     if (trial_ && next_key_ == options_.keys.size()) trial_->steer(session_, state_, is_finished(), Window::now());
     if (session_.repeats && has_drawn_finished_ && is_finished() && !session_.selection().is_moving) session_.do_again();
+    session_.play_on();
     session_.settle();
     const bool flicker = session_.layout == Layout::flicker && std::fmod(Window::now(), 2 * flicker_seconds) >= flicker_seconds;
     if (flicker != session_.flicker_is_right) pace_.need(1);
@@ -265,8 +267,10 @@ class Application {
   }
 
   /// Saves when the picture that was just drawn is the selected one, whole and at rest; else leaves the request for a later
-  /// picture. A control may have changed the selection while this picture was drawn.
+  /// picture. A pose of an animation becomes a still first, which is what the saved command renders. A control may have changed
+  /// the selection while this picture was drawn.
   void save() {
+    if (session_.show_still()) pace_.need(1);
     const bool shows_selection = has_drawn_finished_ && !window_.has_button_events() &&
                                  are_same(*sent_selection_, session_.selection()) && !session_.selection().is_moving &&
                                  canvas_.shows_choices_of(session_);

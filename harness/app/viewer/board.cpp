@@ -67,7 +67,8 @@ FrameRequest request_at(const Frame& frame) {
           .width = g.width,
           .height = g.height,
           .truth = g.truth,
-          .seen = FreeLightAndView{{lights.begin(), lights.end()}, g.view}};
+          .seen = FreeLightAndView{{lights.begin(), lights.end()}, g.view},
+          .pose = frame.pose};
 }
 
 bool Interruptible::run(std::uint64_t ticket, const Work& work) {

@@ -38,9 +38,9 @@ bool are_same(const View& a, const View& b) { return light_and_view_bytes(Light(
 
 bool are_same(const Selection& a, const Selection& b) {
   return a.scene == b.scene && a.loaded == b.loaded && a.truth == b.truth && are_same(a.light, b.light) &&
-         are_same(a.together, b.together) && are_same(a.view, b.view) && a.width == b.width && a.height == b.height &&
-         a.is_moving == b.is_moving && a.full_while_moving == b.full_while_moving && a.sides == b.sides &&
-         a.picked == b.picked && a.repeat == b.repeat && a.curve == b.curve;
+         are_same(a.together, b.together) && are_same(a.view, b.view) && a.at == b.at && a.width == b.width &&
+         a.height == b.height && a.is_moving == b.is_moving && a.full_while_moving == b.full_while_moving &&
+         a.sides == b.sides && a.picked == b.picked && a.repeat == b.repeat && a.curve == b.curve;
 }
 
 Engine::Engine(WorkerOptions workers, double timeout_seconds, std::function<void()> changed)

@@ -33,6 +33,8 @@ struct Selection {
   /// name, which is one of them, and its other channels are where it is. Empty: it is alone.
   std::vector<Light> together = {};
   View view;  ///< one of the scene's, perhaps moved
+  /// The time of an animation of `loaded` at which its meshes are shown; nothing: at rest.
+  std::optional<RowPose> at = {};
   int width = 960, height = 540;
   bool is_moving = false;          ///< camera or light is under way: smaller frames will do
   bool full_while_moving = false;  ///< they will not
@@ -80,7 +82,7 @@ struct SideState {
   std::shared_ptr<const DepthCurve> depth_curve;       ///< of the picked pixel, too; null of techniques that hold none
   std::optional<std::uint32_t> explained;              ///< the pixel of `explanation`
   std::shared_ptr<const SideAnswer> explained_answer;  ///< the answer that `explanation` is of
-  std::array<std::optional<double>, 4> newest_ms;      ///< of each stage, the last time that it was done; by Stage
+  StageTimes newest_ms;                                ///< the last time that each stage was done
   std::uint64_t answer_count = 0;                      ///< how often resolve was done since the worker started
   std::string renderer;                                ///< what draws, of a technique that draws; else empty
 

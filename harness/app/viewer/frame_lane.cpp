@@ -14,15 +14,15 @@ namespace {
 constexpr double frame_budget_ms = 40;  // with what the window itself takes: 20 pictures a second
 
 /// As for `gnomon render`: without curved shapes both truths are one.
-Truth truth_of(const Selection& selection) {
-  return selection.loaded->scene.has_curved_shapes() ? selection.truth : Truth::shape;
+Truth truth_of(const Frame& frame, const Selection& selection) {
+  return frame.scene().has_curved_shapes() ? selection.truth : Truth::shape;
 }
 
-/// Whether a frame is of the selected scene, size and truth, from the selected view.
+/// Whether a frame is of the selected scene at the selected time, size and truth, from the selected view.
 bool shows_view(const Frame* frame, const Selection& selection) {
-  return frame && frame->loaded == selection.loaded && frame->picture_width == selection.width &&
-         frame->picture_height == selection.height && frame->gbuffer.truth == truth_of(selection) &&
-         are_same(frame->gbuffer.view, selection.view);
+  return frame && frame->loaded == selection.loaded && are_same_time(frame->at(), selection.at) &&
+         frame->picture_width == selection.width && frame->picture_height == selection.height &&
+         frame->gbuffer.truth == truth_of(*frame, selection) && are_same(frame->gbuffer.view, selection.view);
 }
 
 /// Whether smaller frames will do.
@@ -70,7 +70,7 @@ Work FrameLane::next() {
   const Selection& selection = board_.selection;
   if (!selection.loaded) return {};
   const Frame* const newest = board_.state.frame.get();
-  const bool is_there = shows_view(newest, selection) && is_lit_by(*newest, selection);
+  const bool is_there = shows_view(newest, selection) && newest->at() == selection.at && is_lit_by(*newest, selection);
   if (is_there && (newest->is_full() || may_shrink(selection))) return {};
   if (board_.state.selection_number == failed_selection_) return {};
   return [this, selection, number = board_.state.selection_number] { make_frame(selection, number); };
@@ -103,10 +103,6 @@ void FrameLane::make_frame(const Selection& selection, std::uint64_t number) {
     camera_divisor_.forget();
     light_divisor_.forget();
   }
-  const int divisor = is_preview ? fitting.value() : 1;
-  const auto divided = [&](int size) { return std::max(1, (size + divisor - 1) / divisor); };
-  const int width = divided(selection.width), height = divided(selection.height);
-
   auto frame = std::make_shared<Frame>();
   frame->number = ++frame_count_;
   frame->loaded = selection.loaded;
@@ -115,19 +111,9 @@ void FrameLane::make_frame(const Selection& selection, std::uint64_t number) {
   frame->picture_width = selection.width;
   frame->picture_height = selection.height;
   try {
-    if (same_view && before->gbuffer.width == width && before->gbuffer.height == height) {
-      frame->gbuffer = before->gbuffer;
-      frame->file = before->file;
-    } else {
-      const Truth truth = truth_of(selection);
-      const RayScene& everything = frame->loaded->store->everything(truth);
-      frame->gbuffer = make_gbuffer(frame->scene(), everything, selection.view, width, height, truth);
-      frame->file = board_.write_shared(frame->gbuffer);
-    }
-    frame->received = received_light_of(*frame);
-    frame->exposure = exposure_of(frame->scene(), frame->gbuffer, frame->received);
+    make_picture(selection, same_view ? before.get() : nullptr, is_preview ? fitting.value() : 1, *frame);
   } catch (const std::exception& error) {
-    // A full disk or no memory: reported, and tried again with the next selection.
+    // A full disk, no memory, a pose that cannot be: reported, and tried again with the next selection.
     failed_selection_ = number;
     board_.change([&](EngineState& s) { s.trouble = message_of(error); });
     return;
@@ -141,6 +127,28 @@ void FrameLane::make_frame(const Selection& selection, std::uint64_t number) {
   if (!is_preview) return;
   wait_for_sides(frame->number);
   fitting.took(std::chrono::duration<double, std::milli>(Clock::now() - start).count());
+}
+
+/// The pose and what the eye sees of it. `before` shows the same view; null: no frame does.
+void FrameLane::make_picture(const Selection& selection, const Frame* before, int divisor, Frame& frame) {
+  if (selection.at) {
+    frame.posed = copies_.of({frame.loaded, &frame.loaded->scene}, *selection.at);
+    frame.pose = WantedPose{.at = *selection.at, .hash = frame.posed->hash()};
+  } else {
+    copies_.clear();
+  }
+  const auto divided = [&](int size) { return std::max(1, (size + divisor - 1) / divisor); };
+  const int width = divided(selection.width), height = divided(selection.height);
+  if (before && before->gbuffer.width == width && before->gbuffer.height == height) {
+    frame.gbuffer = before->gbuffer;
+    frame.file = before->file;
+  } else {
+    const Truth truth = truth_of(frame, selection);
+    frame.gbuffer = make_gbuffer(frame.scene(), frame.everything(truth), selection.view, width, height, truth);
+    frame.file = board_.write_shared(frame.gbuffer);
+  }
+  frame.received = received_light_of(frame);
+  frame.exposure = exposure_of(frame.scene(), frame.gbuffer, frame.received);
 }
 
 /// While something moves, the next frame waits until the sides have answered this one: otherwise a slow side would never be

@@ -34,12 +34,14 @@ class FrameLane : public Lane {
   Work next() override;
   double full_ms() const;
   void make_frame(const Selection& selection, std::uint64_t number);
+  void make_picture(const Selection& selection, const Frame* before, int divisor, Frame& frame);
   void wait_for_sides(std::uint64_t frame);
 
   std::array<SideLane, 2>& sides_;      ///< called under the lock
   ReferenceLane& reference_;            ///< called under the lock
   std::uint64_t failed_selection_ = 0;  ///< the last one that no frame could be made for
   std::uint64_t frame_count_ = 0;
+  PosedCopies copies_;
   PreviewDivisor camera_divisor_{2}, light_divisor_{1};  ///< while these move
 };
 

@@ -14,8 +14,8 @@ namespace {
 
 /// The keys that work in every scene.
 std::vector<KeyRow> own_rows() {
-  constexpr const char *camera = "Camera", *light = "Light", *compare = "Compare", *layers = "Layers", *state = "State",
-                       *window = "Window";
+  constexpr const char *camera = "Camera", *light = "Light", *animation = "Animation", *compare = "Compare", *layers = "Layers",
+                       *state = "State", *window = "Window";
   constexpr bool held = true;
   return {
       {GLFW_KEY_A, 0, "A", OrbitSteps{.right = -1}, camera, "Around the target to the left, 5 degrees.", held},
@@ -38,6 +38,10 @@ std::vector<KeyRow> own_rows() {
       {GLFW_KEY_M, 0, "M", LightSteps{.y = 1}, light, "Up by a fiftieth of the scene's diagonal.", held},
       {GLFW_KEY_END, 0, "End", Action::reset_light, light, "Back to the light as the scene has it."},
       {GLFW_KEY_E, 0, "E", Action::all_lights, light, "All lights together as one picture, or the chosen one alone."},
+
+      {GLFW_KEY_SPACE, 0, "Space", Action::play, animation, "Play the animation from here on, or pause."},
+      {GLFW_KEY_LEFT_BRACKET, 0, "[", FrameSteps{-1}, animation, "A frame back.", held},
+      {GLFW_KEY_RIGHT_BRACKET, 0, "]", FrameSteps{1}, animation, "A frame on.", held},
 
       {GLFW_KEY_1, 0, "1", Layout::left, compare, "The left side alone."},
       {GLFW_KEY_2, 0, "2", Layout::right, compare, "The right side alone."},

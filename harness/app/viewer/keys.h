@@ -26,6 +26,7 @@ enum class Action {
   reset_view,
   reset_light,
   all_lights,
+  play,
   save,
   copy_command,
   screenshot,
@@ -51,6 +52,11 @@ struct LightSteps {
   int x = 0, y = 0;
   bool operator==(const LightSteps&) const = default;
 };
+/// Frames of the animation that is shown.
+struct FrameSteps {
+  int frames = 0;
+  bool operator==(const FrameSteps&) const = default;
+};
 /// Shows a scene with one of its parameters set; that scene declares the key.
 struct SceneSetting {
   std::string scene, parameter, value;
@@ -58,7 +64,7 @@ struct SceneSetting {
 };
 
 /// What a key does.
-using KeyEffect = std::variant<Action, OrbitSteps, ZoomSteps, FlySteps, LightSteps, Layout, Paint, SceneSetting>;
+using KeyEffect = std::variant<Action, OrbitSteps, ZoomSteps, FlySteps, LightSteps, FrameSteps, Layout, Paint, SceneSetting>;
 
 /// The view after `count` steps: 5 degrees around the target, a tenth of the way to it, or `key_step` of flying each. Nothing
 /// for keys that do not move the camera; `reset_view` is the session's.

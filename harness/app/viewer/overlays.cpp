@@ -262,7 +262,7 @@ void Overlays::draw(const PixelRect& place, const Session& session, const PanelD
   const Frame* const seen = shown_frame(composition);
   is_complete_ = true;
   if (session.shows_silhouettes && seen) {
-    const auto segments = finder_.find(seen->loaded, seen->light);
+    const auto segments = finder_.find(seen->shared_scene(), seen->light);
     is_complete_ = segments != nullptr;
     if (segments) draw_silhouettes(drawing, *segments, seen->gbuffer);
   }
@@ -286,28 +286,27 @@ SilhouetteFinder::~SilhouetteFinder() {
   if (thread_.joinable()) thread_.join();
 }
 
-std::shared_ptr<const std::vector<Line>> SilhouetteFinder::find(const std::shared_ptr<const LoadedScene>& loaded,
-                                                                const Light& light) {
-  if (!is_searching_ && (searched_scene_ != loaded || !are_same(searched_light_, light))) {
+std::shared_ptr<const std::vector<Line>> SilhouetteFinder::find(const std::shared_ptr<const Scene>& scene, const Light& light) {
+  if (!is_searching_ && (searched_scene_ != scene || !are_same(searched_light_, light))) {
     if (thread_.joinable()) thread_.join();
-    const bool is_quick = adjacency_scene_ == loaded && search_ms_ < quick_ms;
-    searched_scene_ = loaded;
+    const bool is_quick = adjacency_scene_ == scene && search_ms_ < quick_ms;
+    searched_scene_ = scene;
     searched_light_ = light;
     is_searching_ = true;
-    thread_ = std::thread([this, loaded, light] { search(loaded, light); });
+    thread_ = std::thread([this, scene, light] { search(scene, light); });
     if (is_quick) thread_.join();
   }
   const std::lock_guard lock(mutex_);
-  return found_for_ == loaded && are_same(found_light_, light) ? found_ : nullptr;
+  return found_for_ == scene && are_same(found_light_, light) ? found_ : nullptr;
 }
 
-void SilhouetteFinder::search(std::shared_ptr<const LoadedScene> loaded, Light light) {
+void SilhouetteFinder::search(std::shared_ptr<const Scene> scene, Light light) {
   auto start = std::chrono::steady_clock::now();
   auto lines = std::make_shared<std::vector<Line>>();
   try {
-    if (adjacency_scene_ != loaded) {
-      adjacency_ = EdgeAdjacency(loaded->scene);
-      adjacency_scene_ = loaded;
+    if (adjacency_scene_ != scene) {
+      adjacency_ = EdgeAdjacency(*scene);
+      adjacency_scene_ = scene;
       start = std::chrono::steady_clock::now();
     }
     adjacency_.find_silhouette(homogeneous_of_center(light), silhouette_);
@@ -319,7 +318,7 @@ void SilhouetteFinder::search(std::shared_ptr<const LoadedScene> loaded, Light l
   {
     const std::lock_guard lock(mutex_);
     found_ = std::move(lines);
-    found_for_ = std::move(loaded);
+    found_for_ = std::move(scene);
     found_light_ = light;
   }
   search_ms_ = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();

@@ -22,23 +22,23 @@ class SilhouetteFinder {
 
   /// The edges for this scene and light, colored as in the debug layers `silhouette`. Null while they are not found yet; then
   /// `changed` is called when they are.
-  std::shared_ptr<const std::vector<Line>> find(const std::shared_ptr<const LoadedScene>& loaded, const Light& light);
+  std::shared_ptr<const std::vector<Line>> find(const std::shared_ptr<const Scene>& scene, const Light& light);
 
  private:
-  void search(std::shared_ptr<const LoadedScene> loaded, Light light);
+  void search(std::shared_ptr<const Scene> scene, Light light);
 
   std::function<void()> changed_;
   std::mutex mutex_;  // guards the three members below
   std::shared_ptr<const std::vector<Line>> found_;
-  std::shared_ptr<const LoadedScene> found_for_;
+  std::shared_ptr<const Scene> found_for_;
   Light found_light_;
   std::atomic<double> search_ms_ = 1e9;  // that the last search took, without the edge adjacency of its scene
-  std::shared_ptr<const LoadedScene> searched_scene_;
+  std::shared_ptr<const Scene> searched_scene_;
   Light searched_light_;
   std::atomic<bool> is_searching_ = false;
   std::thread thread_;
   // Only the thread uses these.
-  std::shared_ptr<const LoadedScene> adjacency_scene_;  // that `adjacency_` is of
+  std::shared_ptr<const Scene> adjacency_scene_;  // that `adjacency_` is of
   EdgeAdjacency adjacency_;
   Silhouette silhouette_;
 };

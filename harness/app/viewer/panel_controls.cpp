@@ -322,6 +322,7 @@ void draw_controls(const PixelRect& place, Session& session, const PanelData& sh
     ImGui::PushID("scene");
     if (section("Scene, light and view")) {
       draw_scene(session, shown, scenes, widgets);
+      draw_animation(session, widgets);
       draw_light_and_view(session, widgets);
     }
     ImGui::PopID();

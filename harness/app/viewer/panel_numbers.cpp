@@ -115,13 +115,16 @@ void draw_tallies(const EngineState& state) {
 }
 
 void draw_times(const EngineState& state) {
-  for (const Stage stage : all_stages)
+  const bool moves = state.loaded && state.loaded->scene.motion;
+  for (const Stage stage : all_stages) {
+    if (stage == Stage::update && !moves) continue;
     draw_row(state, std::string(name(stage)),
              "The last time that this stage was done, live and beside whatever else runs; gnomon run measures.",
              [&](const SideState& side, int) {
                const auto ms = side.newest_ms[static_cast<int>(stage)];
                return Value{ms ? milliseconds(*ms) + " ms" : ""};
              });
+  }
 }
 
 constexpr std::size_t least_plotted = 8;  // a curve of fewer times is not drawn

@@ -41,6 +41,9 @@ void draw_strip(const PixelRect& place, const Session& session, const PanelData&
 /// All keys and what the mouse does, over everything.
 void draw_help(glm::ivec2 window, Session& session);
 
+/// Of a scene that moves: which animation is shown, at which time, and whether it plays. Nothing of another.
+void draw_animation(Session& session, Widgets& widgets);
+
 // Parts of the strip.
 void draw_numbers(const PanelData& shown, const Session& session);
 void draw_legend(const PanelData& shown);

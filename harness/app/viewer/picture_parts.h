@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "app/viewer/posed_copies.h"
 #include "measure/cause/causes.h"
 #include "measure/frame/frame.h"
 #include "measure/scene/channels.h"
@@ -28,8 +29,10 @@ using ChannelMasks = std::array<std::vector<float>, std::size(all_channels)>;
 
 /// What the eye sees of a scene under a light, or several together: the input of techniques.
 struct Frame {
-  std::uint64_t number = 0;  ///< counts up from 1
-  std::shared_ptr<const LoadedScene> loaded;
+  std::uint64_t number = 0;                           ///< counts up from 1
+  std::shared_ptr<const LoadedScene> loaded;          ///< at rest, as the workers opened it
+  std::optional<WantedPose> pose = {};                ///< that the meshes are in; nothing: at rest
+  std::shared_ptr<const PosedCopy> posed = nullptr;   ///< of `loaded` in that pose; null at rest
   Light light;                                        ///< of several the one that can be moved
   std::vector<Light> lights;                          ///< two at least, in the scene's order; empty where `light` is alone
   GBuffer gbuffer;                                    ///< with its view; smaller than the picture while something moves
@@ -39,10 +42,20 @@ struct Frame {
   std::vector<double> received;
   double exposure = 1;  ///< of the shaded picture; see exposure_of
 
-  const Scene& scene() const { return loaded->scene; }
+  /// What is seen: in the frame's pose.
+  const Scene& scene() const { return posed ? posed->scene() : loaded->scene; }
+  std::shared_ptr<const Scene> shared_scene() const {
+    using Shared = std::shared_ptr<const Scene>;
+    return posed ? Shared(posed, &posed->scene()) : Shared(loaded, &loaded->scene);
+  }
   /// As one of its lights finds it, and what rays meet there; made with the scene, so that any thread may call.
-  const Scene& scene(const Light& under) const { return loaded->store->scene(under); }
-  const RayScene& casters(const Light& under) const { return loaded->store->casters(gbuffer.truth, under); }
+  const Scene& scene(const Light& under) const { return posed ? posed->scene(under) : loaded->store->scene(under); }
+  const RayScene& casters(const Light& under, Truth truth) const {
+    return posed ? posed->casters(truth, under) : loaded->store->casters(truth, under);
+  }
+  const RayScene& casters(const Light& under) const { return casters(under, gbuffer.truth); }
+  const RayScene& everything(Truth truth) const { return posed ? posed->everything(truth) : loaded->store->everything(truth); }
+  std::optional<RowPose> at() const { return pose ? std::optional(pose->at) : std::nullopt; }
   bool is_together() const { return !lights.empty(); }
   std::span<const Light> all_lights() const { return is_together() ? lights : std::span(&light, 1); }
   /// Of the light that can be moved, in all_lights.
@@ -73,13 +86,16 @@ struct ReferenceState {
   std::string why_not;       ///< there is none, because the reference does not support the light; else empty
 };
 
+/// Milliseconds of the last time that each stage was done, by Stage. Of build and update only the one that was done last.
+using StageTimes = std::array<std::optional<double>, std::size(stage_names)>;
+
 /// What a technique answered.
 struct SideAnswer {
   std::shared_ptr<const Frame> frame;
-  std::vector<float> mask;                        ///< of several lights the share of the light that they would give
-  std::vector<std::vector<float>> masks;          ///< of several lights, each; else empty
-  ChannelMasks channels = {};                     ///< in color, as `mask`
-  std::array<std::optional<double>, 4> stage_ms;  ///< the last time that each stage was done, by Stage
+  std::vector<float> mask;                ///< of several lights the share of the light that they would give
+  std::vector<std::vector<float>> masks;  ///< of several lights, each; else empty
+  ChannelMasks channels = {};             ///< in color, as `mask`
+  StageTimes stage_ms;
   Support support = Support::full();
 
   /// Under light k of the frame's.

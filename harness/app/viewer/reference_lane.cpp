@@ -51,6 +51,9 @@ std::vector<float> trace(const RayScene& casters, const Scene& scene, const GBuf
   return mask;
 }
 
+/// The hash of the frame's pose; empty at rest.
+std::string pose_of(const Frame& frame) { return frame.pose ? frame.pose->hash : std::string(); }
+
 /// Why there is no reference under a frame's lights; empty when there is one.
 std::string obstacle(const Frame& frame) {
   for (const Light& light : frame.all_lights())
@@ -61,10 +64,9 @@ std::string obstacle(const Frame& frame) {
 
 /// Classes under one light, and under one with area the shares.
 void find_classes(const Frame& frame, const Light& light, ReferenceState& reference) {
-  FrameStore& store = *frame.loaded->store;
   const Scene& scene = frame.scene(light);
   const RayScene& casters = frame.casters(light);
-  const std::vector<std::uint8_t> silhouettes = find_silhouettes(store.everything(frame.gbuffer.truth), frame.gbuffer);
+  const std::vector<std::uint8_t> silhouettes = find_silhouettes(frame.everything(frame.gbuffer.truth), frame.gbuffer);
   if (!has_area(light)) {
     reference.classes = classify(scene, casters, frame.gbuffer, light, reference.mask, silhouettes);
     return;
@@ -122,7 +124,7 @@ std::shared_ptr<const ReferenceState> ReferenceLane::known_reference(const Frame
   const std::vector<std::byte> seen = light_and_view_bytes(light, g.view);
   const auto found = std::ranges::find_if(known_references_, [&](const KnownReference& known) {
     return known.truth == g.truth && known.reference->width == g.width && known.reference->height == g.height &&
-           known.light_and_view == seen;
+           known.pose == pose_of(frame) && known.light_and_view == seen;
   });
   if (found == known_references_.end()) return nullptr;
   std::rotate(known_references_.begin(), found, found + 1);
@@ -133,8 +135,8 @@ std::shared_ptr<const ReferenceState> ReferenceLane::known_reference(const Frame
 void ReferenceLane::remember(const Frame& frame, const Light& light, std::shared_ptr<const ReferenceState> reference) {
   const std::size_t more = frame.all_lights().size() - 1, most = most_known + more,
                     most_pixels = most_known_pixels + more * frame.gbuffer.size();
-  known_references_.push_front(
-      {frame.loaded, light_and_view_bytes(light, frame.gbuffer.view), frame.gbuffer.truth, std::move(reference)});
+  known_references_.push_front({frame.loaded, pose_of(frame), light_and_view_bytes(light, frame.gbuffer.view),
+                                frame.gbuffer.truth, std::move(reference)});
   std::size_t pixels = 0;
   for (const KnownReference& known : known_references_) pixels += known.reference->mask.size();
   while (known_references_.size() > 1 && (known_references_.size() > most || pixels > most_pixels)) {
@@ -220,17 +222,18 @@ void ReferenceLane::find_nearest(const Frame& frame, const Light& light, std::sh
                                  ReferenceState& reference) {
   const Scene& scene = frame.scene(light);
   const GBuffer& g = frame.gbuffer;
-  FrameStore& store = *frame.loaded->store;
   reference.nearest_caster = find_nearest_casters(scene, frame.casters(light), g, light, reference.mask);
   if (g.truth == Truth::mesh || !scene.has_curved_shapes()) return;
   if (!mesh_frame) {
     mesh_frame = std::make_shared<Frame>();
     mesh_frame->loaded = frame.loaded;
-    mesh_frame->gbuffer = make_gbuffer(scene, store.everything(Truth::mesh), g.view, g.width, g.height, Truth::mesh);
+    mesh_frame->pose = frame.pose;
+    mesh_frame->posed = frame.posed;
+    mesh_frame->gbuffer = make_gbuffer(scene, frame.everything(Truth::mesh), g.view, g.width, g.height, Truth::mesh);
     mesh_frame->file = board_.write_shared(mesh_frame->gbuffer);
   }
   auto on_mesh = std::make_shared<ReferenceState>();
-  on_mesh->mask = trace(store.casters(Truth::mesh, light), scene, mesh_frame->gbuffer, light, {});
+  on_mesh->mask = trace(frame.casters(light, Truth::mesh), scene, mesh_frame->gbuffer, light, {});
   on_mesh->frame = mesh_frame;
   reference.on_mesh = on_mesh;
 }

@@ -28,6 +28,7 @@ class ReferenceLane : public Lane {
 
   struct KnownReference {
     std::shared_ptr<const LoadedScene> loaded;
+    std::string pose;  ///< hash; empty: at rest
     std::vector<std::byte> light_and_view;
     Truth truth;
     std::shared_ptr<const ReferenceState> reference;  ///< under one light, without its frame

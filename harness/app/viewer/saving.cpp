@@ -114,6 +114,13 @@ Json window_json(const DrawnWindow& window, const Session& session, const Engine
   json["light"] = session.selection().light.name;
   json["together"] = Json::array();
   for (const Light& light : session.selection().together) json["together"].push_back(light.name);
+  json["animation"] = nullptr;
+  if (const auto& at = session.selection().at)
+    json["animation"] = {{"name", at->animation},
+                         {"seconds", at->seconds},
+                         {"frame", session.player().frame()},
+                         {"frames", session.player().last_frame() + 1},
+                         {"playing", session.player().is_playing()}};
   json["profile"] = nullptr;
   if (const auto& line = session.profile) json["profile"] = {line->from.x, line->from.y, line->to.x, line->to.y};
   json["curve"] = nullptr;
@@ -172,7 +179,9 @@ Picture picture_of(std::span<const std::uint32_t> rgba, int width, int height) {
 
 std::string state_toml(const Selection& shown, const fs::path& file) {
   // A scene that could not be loaded is selected, but not shown.
-  const std::string base = quoted(base_reference(shown.loaded ? shown.loaded->reference : shown.scene, file));
+  std::string reference = shown.loaded ? shown.loaded->reference : shown.scene;
+  if (shown.at) reference = with_time(reference, {shown.at->animation, shown.at->seconds});
+  const std::string base = quoted(base_reference(reference, file));
   // A file has no channels: its glass makes them again.
   const std::vector<Light> lights = whole_lights(lights_of(shown));
   std::string names, tables;

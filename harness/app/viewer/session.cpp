@@ -34,6 +34,7 @@ std::string scene_id(const std::string& reference) {
 
 Session::Session(Selection selection, std::shared_ptr<const LoadedScene> loaded)
     : selection_(std::move(selection)), loaded_(std::move(loaded)), generator_(generator_of(selection_.scene)) {
+  if (selection_.at) player_ = player_of(selection_.at->animation);
   for (int side = 0; side < 2; ++side) {
     const SideSelection start = selection_.sides[side];
     choose_technique(side, start.technique);
@@ -63,6 +64,7 @@ void Session::adopt(const EngineState& state) {
   if (!state.loaded || state.loaded == selection_.loaded || state.loaded->reference != selection_.scene) return;
   const std::string word = together_word(selection_, scene()->lights.size());
   const Light before = selection_.light;
+  const bool is_same_scene = scene_id(loaded_->reference) == scene_id(state.loaded->reference);
   const bool keeps_light = keeps_moved_ && light_moved_;
   selection_.loaded = loaded_ = state.loaded;
   selection_.together.clear();
@@ -76,6 +78,7 @@ void Session::adopt(const EngineState& state) {
   }
   if (!(keeps_moved_ && view_moved_)) choose_view(named_or_first(scene()->views, selection_.view.name).name);
   keeps_moved_ = true;
+  renew_animation(is_same_scene);
 }
 
 void Session::choose_light(const std::string& name) {
@@ -149,7 +152,7 @@ std::optional<double> Session::motion_left() const {
 }
 
 void Session::settle() {
-  if (selection_.is_moving && Window::now() >= moving_until_) selection_.is_moving = false;
+  if (selection_.is_moving && !player_.is_playing() && Window::now() >= moving_until_) selection_.is_moving = false;
 }
 
 void Session::choose_technique(int side, const std::string& id) {
@@ -232,6 +235,7 @@ void Session::act(const KeyEffect& effect, double count) {
     if (light) set_light(*light);
     if (view || light) return mark_moving();
   }
+  if (const auto* steps = std::get_if<FrameSteps>(&effect)) return step_frames(count * steps->frames);
   if (const auto* setting = std::get_if<SceneSetting>(&effect)) return set_scene_parameter(*setting);
   if (const auto* chosen = std::get_if<Layout>(&effect)) layout = *chosen;
   if (const auto* chosen = std::get_if<Paint>(&effect)) paint = *chosen;
@@ -244,6 +248,9 @@ void Session::carry_out(Action action) {
   if (action == Action::magnifier) shows_magnifier = !shows_magnifier;
   if (action == Action::panels) shows_panels = !shows_panels;
   if (action == Action::help) shows_help = !shows_help;
+  if (action == Action::play) flip_playing();
+  // What is shown now is saved.
+  if (action == Action::save || action == Action::copy_command) player_.pause();
   if (action == Action::save) requests.save = true;
   if (action == Action::copy_command) requests.copy_command = true;
   if (action == Action::screenshot) requests.screenshot = true;

@@ -9,6 +9,7 @@
 #include "app/viewer/compose.h"
 #include "app/viewer/engine.h"
 #include "app/viewer/keys.h"
+#include "app/viewer/player.h"
 #include "app/viewer/profile.h"
 
 namespace gnomon::viewer {
@@ -73,6 +74,20 @@ class Session {
   /// Whether they do so whenever all is computed.
   bool repeats = false;
 
+  // The time of a scene that moves. Scenes without animations say so.
+  const Player& player() const { return player_; }
+  /// The animation of this name from its first frame, paused; an empty name: at rest, as the file has it.
+  void choose_animation(const std::string& name);
+  void go_to_frame(int frame);
+  void set_looping(bool loops) { player_.loops = loops; }
+  /// While it plays, to the frame of this moment.
+  void play_on();
+  /// Seconds until another frame of the animation is due; nothing while it does not play.
+  std::optional<double> frame_left() const;
+  /// Shows the pose by itself, as a still of `gnomon render` does, until another time is shown: techniques build, and fit to
+  /// that pose alone. Whether it did not do so before.
+  bool show_still();
+
   // The sides. Call `technique_changed` after setting a technique's parameters.
   Technique& technique(int side) { return *technique_[side]; }
   void choose_technique(int side, const std::string& id);
@@ -104,12 +119,19 @@ class Session {
   void flip_profile();
   void flip_together();
   void renew_together(const std::string& word);
+  Player player_of(const std::string& animation) const;
+  void renew_animation(bool is_same_scene);
+  bool has_animation();
+  void flip_playing();
+  void step_frames(double count);
+  void take_time();
 
   Selection selection_;
   std::shared_ptr<const LoadedScene> loaded_;
   std::unique_ptr<SceneGenerator> generator_;
   bool light_moved_ = false, view_moved_ = false, keeps_moved_ = false;
   std::optional<glm::ivec2> picked_;
+  Player player_;
   double moving_until_ = 0;
   std::uint64_t curve_count_ = 0;
   std::string message_;

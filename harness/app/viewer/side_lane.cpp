@@ -12,6 +12,8 @@ namespace gnomon::viewer {
 
 namespace {
 
+constexpr int stage_count = std::size(stage_names);
+
 /// Whether the side shows the reference, which the engine has anyway: as it is, and without its debug layers.
 bool shows_reference(const SideSelection& selection) {
   return selection.settings.empty() && selection.layer.empty() &&
@@ -24,7 +26,7 @@ bool SideLane::has_finished(std::uint64_t frame) const {
   const SideState& s = state();
   if (s.is_reference) return board_.state.reference && board_.state.reference->frame->number >= frame;
   return s.phase == Phase::failed || s.phase == Phase::starting || frame_ > frame ||
-         (frame_ == frame && (fresh_ == 4 || !is_supported_));
+         (frame_ == frame && (fresh_ == stage_count || !is_supported_));
 }
 
 void SideLane::report_progress(SideState& report) const {
@@ -56,7 +58,7 @@ Work SideLane::next() {
   if (!frame || frame->loaded != board_.selection.loaded || selection.technique.empty()) return {};
   if (shows_reference(selection)) return show_reference(frame);
   if (Work work = next_answer(selection, frame)) return work;
-  const bool is_answered = !has_failed_ && frame_ == frame->number && is_supported_ && fresh_ == 4;
+  const bool is_answered = !has_failed_ && frame_ == frame->number && is_supported_ && fresh_ == stage_count;
   return is_answered ? next_finding(selection, frame) : Work{};
 }
 
@@ -84,7 +86,7 @@ Work SideLane::next_answer(const SideSelection& selection, const std::shared_ptr
   if (has_failed_) return {};
   if (frame_ != frame->number) return guarded([this, frame] { go_to(frame); });
   if (!is_supported_) return {};
-  if (fresh_ < 4 || repeat_ != board_.selection.repeat)
+  if (fresh_ < stage_count || repeat_ != board_.selection.repeat)
     return guarded([this, frame, repeat = board_.selection.repeat] { answer(frame, repeat); });
   return {};
 }
@@ -210,11 +212,19 @@ void SideLane::go_to(const std::shared_ptr<const Frame>& frame) {
   });
 }
 
+/// Build and update stand in for each other: the one that was done last has a time.
+void SideLane::note_time(Stage stage, double ms) {
+  if (stage == Stage::build) stage_ms_[static_cast<int>(Stage::update)].reset();
+  if (stage == Stage::update) stage_ms_[static_cast<int>(Stage::build)].reset();
+  stage_ms_[static_cast<int>(stage)] = ms;
+}
+
 /// Does the stages that are out of date, and resolve in any case; the mask.
 std::vector<float> SideLane::resolve_mask(bool is_timed) {
-  for (int stage = std::min(fresh_, 3); stage < 4; ++stage) {
+  // A build brings along what update would do.
+  for (int stage = std::min(fresh_, stage_count - 1); stage < stage_count; stage = std::max(stage + 1, fresh_)) {
     const double ms = Call(*this, std::string(stage_names[stage]))->time(static_cast<Stage>(stage));
-    if (is_timed) stage_ms_[stage] = ms;
+    if (is_timed) note_time(static_cast<Stage>(stage), ms);
   }
   return Call(*this, "mask")->mask();
 }

@@ -61,6 +61,7 @@ class SideLane : public Lane {
   void find_causes_of(const std::shared_ptr<const Verdict>& verdict, const std::shared_ptr<const ReferenceState>& truth);
 
   Support set_frame(const Frame& frame, const std::string& words);
+  void note_time(Stage stage, double ms);
   std::vector<float> resolve_mask(bool is_timed);
   std::vector<std::vector<std::uint8_t>> right_on_mesh(const Frame& frame,
                                                        std::span<const std::shared_ptr<const ReferenceState>> lights);
@@ -86,7 +87,7 @@ class SideLane : public Lane {
   bool is_supported_ = false;
   Support support_ = Support::full();
   std::vector<Support> light_supports_;  ///< of several lights, each
-  std::array<std::optional<double>, 4> stage_ms_;
+  StageTimes stage_ms_;
   std::uint64_t repeat_ = 0;
   std::optional<Clock::time_point> since_;  ///< when the present call of the worker began
   Interruptible causes_;

@@ -13,15 +13,17 @@ namespace gnomon {
 
 /// What is paid when. A later stage repeats without the earlier ones.
 ///   setup    once per process: shaders, allocations that depend on nothing
-///   build    the geometry changed
-///   relight  the light changed
+///   build    another scene
+///   update   the geometry moved: in place of build, which brings all up to date that update would
+///   relight  the light changed, or update was called
 ///   resolve  the camera changed
-enum class Stage { setup, build, relight, resolve };
-inline constexpr std::string_view stage_names[] = {"setup", "build", "relight", "resolve"};
-inline constexpr Stage all_stages[] = {Stage::setup, Stage::build, Stage::relight, Stage::resolve};
-inline constexpr Stage timed_stages[] = {Stage::build, Stage::relight,
-                                         Stage::resolve};                  ///< again and again; setup is done once
-inline constexpr Stage frame_stages[] = {Stage::relight, Stage::resolve};  ///< that every frame takes
+enum class Stage { setup, build, update, relight, resolve };
+inline constexpr std::string_view stage_names[] = {"setup", "build", "update", "relight", "resolve"};
+inline constexpr Stage all_stages[] = {Stage::setup, Stage::build, Stage::update, Stage::relight, Stage::resolve};
+/// Timed again and again in every row; setup is done once.
+inline constexpr Stage timed_stages[] = {Stage::build, Stage::relight, Stage::resolve};
+inline constexpr Stage frame_stages[] = {Stage::relight, Stage::resolve};                  ///< that every frame takes
+inline constexpr Stage motion_stages[] = {Stage::update, Stage::relight, Stage::resolve};  ///< where geometry moves
 inline constexpr std::string_view name(Stage stage) { return stage_names[static_cast<int>(stage)]; }
 
 class Parametrized;

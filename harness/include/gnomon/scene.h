@@ -106,6 +106,8 @@ struct Mesh {
   std::shared_ptr<const AlphaMask> alpha_mask;
   /// What part of the light its solid parts let through; null: nothing. Other meshes may share it. It casts, two-sided.
   std::shared_ptr<const Transmission> transmission;
+  /// Of a mesh that moves: of all places to which its row's frames bring it. Empty: of its positions.
+  Bounds reach;
   bool seen = true;           ///< by the eye; otherwise the mesh only casts
   std::vector<glm::vec2> uv;  ///< places in alpha mask and transmission, one for each position; empty where neither has texels
 
@@ -113,6 +115,9 @@ struct Mesh {
     const glm::uvec3& t = triangles[triangle];
     return {{positions[t.x], positions[t.y], positions[t.z]}};
   }
+  /// What a light's frustum must hold, so that it stays the same while the mesh moves: its reach, else the bounds of its
+  /// positions.
+  Bounds reached() const;
   /// Whether mesh truth and shape truth differ.
   bool has_curved_shape() const { return shape && is_curved(*shape); }
   /// Whether it has an inside: a surface with holes or of glass has none, however its triangles meet.
@@ -129,13 +134,15 @@ struct View {
   float exposure = 0;  ///< what irradiance is multiplied by in pictures, m2/W; 0: by exposure_of, from what is lit
 };
 
-/// A motion of the camera's eye or of one light through key positions, as a row of still frames.
+/// A motion of the camera's eye or of one light through key positions, or of meshes by the scene's animation of that name, as a
+/// row of still frames.
 struct Path {
-  enum class Moves { camera, light };
+  enum class Moves { camera, light, geometry };
   std::string name;
   Moves moves = Moves::camera;
-  std::vector<glm::vec3> positions;  ///< two or more, passed at equal steps of time
+  std::vector<glm::vec3> positions = {};  ///< two or more, passed at equal steps of time; none where geometry moves
   int frame_count = 2;
+  double start = 0, frame_rate = 60;  ///< of the animation: seconds at frame 0, frames per second
 };
 
 struct Scene {
@@ -147,6 +154,7 @@ struct Scene {
   std::vector<Path> paths;    ///< motions for suites that ask for them; names unique
   /// How meshes move; null: they stand still. Positions are those of the rest pose, as the file has it.
   std::shared_ptr<const Motion> motion;
+  std::uint64_t pose_number = 0;   ///< raised whenever positions change in place
   std::vector<std::string> notes;  ///< what the loader did on its own account: framing camera, dropped triangles, ...
 
   std::size_t triangle_count() const;
@@ -174,8 +182,10 @@ std::vector<std::uint32_t> weld(std::span<const glm::vec3> positions, std::span<
 /// Counts boundary, non-manifold and misoriented edges after welding by exact position.
 MeshFacts measure_facts(const std::vector<glm::vec3>& positions, const std::vector<glm::uvec3>& triangles);
 
-/// Drops triangles of zero area or with a repeated vertex position, then measures the facts. Exact: the cross product is
-/// evaluated so that only truly collinear float32 corners count as degenerate.
+/// Whether corners lie on one line. Exact: the cross product is evaluated so that only truly collinear float32 corners do.
+bool is_degenerate(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c);
+
+/// Drops triangles that are degenerate: of zero area, or with a repeated vertex position. Then measures the facts.
 void finish(Mesh& mesh);
 
 }  // namespace gnomon

@@ -1,5 +1,6 @@
 #pragma once
 #include <gnomon/account.h>
+#include <gnomon/changes.h>
 #include <gnomon/gbuffer.h>
 #include <gnomon/param.h>
 
@@ -103,6 +104,8 @@ struct About {
   std::span<const Feature> handles = {};          ///< of scenes: it supports none that needs another
   std::span<const OwnCause> causes = {};          ///< of its own
   std::span<const std::string_view> lights = {};  ///< kinds that a program supports; empty: `supports` tells
+  /// How far a mask after updates may be from that after a build, mean over the tested pixels; 0: bit for bit.
+  float update_error = 0;
   bool named_only = false;  ///< not among what `*` stands for: an engine, which runs only where it is asked for by name
 };
 
@@ -119,8 +122,9 @@ inline constexpr Feature with_gray_transmission[] = {Feature::alpha_masks, Featu
 /// A shadow technique. Life: construct (no work), set parameters, then setup, build, relight, resolve in this order; each
 /// later stage may be repeated without the earlier ones, with other arguments. A parameter set afterwards is seen from the
 /// stage that it spoils on. Scene, light and G-buffer outlive the technique until the next build, relight, resolve.
-/// Every call does its whole work: it may reuse allocations, never answers. GL techniques find the GL state at its defaults,
-/// restore it, and drain the queue before a stage returns.
+/// Where the scene's vertices moved, update stands in build's place; relight and resolve follow it always.
+/// Every call does its whole work: it may reuse allocations, never answers, but for what `update` says. GL techniques find the
+/// GL state at its defaults, restore it, and drain the queue before a stage returns.
 class Technique : public Parametrized {
  public:
   /// Asked before anything runs, on a fresh object with its parameters set: without GL, and of one that draws again where a
@@ -129,6 +133,11 @@ class Technique : public Parametrized {
   /// Once per process. Ends with one draw per shader variant in the state of the timed stages.
   virtual void setup() = 0;
   virtual void build(const Scene& scene) = 0;
+  /// Vertices of the scene that build got last moved in place; triangles, masks, flags and all else are the same. Update may
+  /// keep all that no change spoils, and afterwards the technique answers as after a build, within `About::update_error`. The
+  /// first relight after it may keep what no change spoils, too, where it is under the very light of the relight before. By
+  /// default it builds.
+  virtual void update(const Scene& scene, [[maybe_unused]] const Changes& changes) { build(scene); }
   virtual void relight(const Light& light) = 0;
   /// Writes every pixel of the mask and nothing else.
   virtual void resolve(const GBuffer& gbuffer, VisibilityMask& mask) = 0;

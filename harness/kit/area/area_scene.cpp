@@ -9,7 +9,9 @@ AreaScene::AreaScene(const Scene& scene) : scene_(scene) {
   for (std::uint32_t m = 0; m < scene.meshes.size(); ++m) {
     if (!scene.meshes[m].casts) continue;
     for (std::uint32_t t = 0; t < scene.meshes[m].triangles.size(); ++t) {
-      boxes.emplace_back().add(scene.meshes[m].corners(t).points);
+      const Triangle corners = scene.meshes[m].corners(t);
+      if (is_degenerate(corners.points[0], corners.points[1], corners.points[2])) continue;
+      boxes.emplace_back().add(corners.points);
       ids.push_back({m, t});
     }
   }

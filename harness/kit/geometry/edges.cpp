@@ -30,6 +30,12 @@ EdgeAdjacency::EdgeAdjacency(const Scene& scene) {
   find_planes();
 }
 
+bool EdgeAdjacency::is_collapsed(std::uint32_t triangle) const {
+  const glm::uvec3& t = triangles_[triangle];
+  const std::uint32_t a = first_at_position_[t.x], b = first_at_position_[t.y], c = first_at_position_[t.z];
+  return a == b || b == c || c == a;
+}
+
 /// Half-edges by their lower ends: those of vertex v are `of(v)`, a few, in the order of their triangles.
 struct EdgeAdjacency::HalfEdges {
   struct HalfEdge {
@@ -70,11 +76,13 @@ EdgeAdjacency::HalfEdges EdgeAdjacency::find_half_edges() const {
   const auto for_half_edges = [&](auto&& visit) {
     for (const MeshTriangles& mesh : meshes_) {
       if (!mesh.casts) continue;
-      for (std::uint32_t t = mesh.first; t < mesh.first + mesh.count; ++t)
+      for (std::uint32_t t = mesh.first; t < mesh.first + mesh.count; ++t) {
+        if (is_collapsed(t)) continue;
         for (int k = 0; k < 3; ++k) {
           const std::uint32_t from = first_at_position_[triangles_[t][k]], to = first_at_position_[triangles_[t][(k + 1) % 3]];
           visit(std::min(from, to), std::max(from, to), 2 * t + (from < to));
         }
+      }
     }
   };
   HalfEdges halves;
@@ -129,6 +137,7 @@ void EdgeAdjacency::find_parts() {
   for (const MeshTriangles& mesh : meshes_) {
     if (!mesh.casts) continue;
     for (std::uint32_t t = mesh.first; t < mesh.first + mesh.count; ++t) {
+      if (is_collapsed(t)) continue;
       const std::uint32_t first = find(t);
       if (first == t) {
         part_of_[t] = static_cast<std::uint32_t>(parts_.size());

@@ -42,7 +42,9 @@ ExactScene::ExactScene(const Scene& scene) : scene_(&scene), has_transmission_(s
   for (std::uint32_t m = 0; m < scene.meshes.size(); ++m) {
     const Mesh& mesh = scene.meshes[m];
     if (!mesh.casts) continue;
-    for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) casters.push_back({mesh.corners(t), m, t});
+    for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t)
+      if (const Triangle corners = mesh.corners(t); !is_degenerate(corners.points[0], corners.points[1], corners.points[2]))
+        casters.push_back({corners, m, t});
   }
   std::vector<Bounds> bounds(casters.size());
   for (std::size_t i = 0; i < casters.size(); ++i) bounds[i].add(casters[i].corners.points);

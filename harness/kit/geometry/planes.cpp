@@ -123,7 +123,7 @@ class PlaneFinder {
       for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
         const Triangle corners = mesh.corners(t);
         ReceiverFace face{.index = index++, .corners = {corners.points[0], corners.points[1], corners.points[2]}};
-        if (!mesh.receives) continue;
+        if (!mesh.receives || is_degenerate(corners.points[0], corners.points[1], corners.points[2])) continue;
         const auto& [a, b, c] = face.corners;
         face.area = glm::length(glm::cross(b - a, c - a)) / 2;
         face.altitude = 2 * face.area / std::max({glm::distance(a, b), glm::distance(b, c), glm::distance(c, a)});

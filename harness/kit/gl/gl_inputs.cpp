@@ -1,11 +1,10 @@
 #include <gnomon/kit/gl/gl_pass.h>
-#include <gnomon/kit/unset_vector.h>
 
-#include <bit>
 #include <chrono>
 #include <cmath>
 
 #include "kit/gl/gl_masks.h"
+#include "kit/gl/gl_scene_buffers.h"
 #include "kit/gl/pixel_rectangles.h"
 
 namespace gnomon {
@@ -22,52 +21,30 @@ double drained_ms(const Work& work) {
   return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
 }
 
-/// A hash that tells a new scene at an old address from the old one without reading all of it: of addresses and sizes of its
-/// arrays, flags, and four vertices of some meshes. It misses an edit of other vertices in place: call release_inputs after
-/// one.
-std::uint64_t stamp(const Scene& scene) {
-  std::uint64_t hash = 0xcbf29ce484222325u;
-  const auto mix = [&](std::uint64_t value) { hash = (hash ^ value) * 0x100000001b3u ^ hash >> 29; };
-  mix(std::bit_cast<std::uintptr_t>(&scene));
-  mix(scene.meshes.size());
-  // At most 32 meshes: timed stages compute this, too.
-  const std::size_t step = scene.meshes.size() / 32 + 1;
-  for (std::size_t m = 0; m < scene.meshes.size(); m += step) {
-    const Mesh& mesh = scene.meshes[m];
-    mix(std::bit_cast<std::uintptr_t>(mesh.positions.data()));
-    mix(std::bit_cast<std::uintptr_t>(mesh.triangles.data()));
-    mix(mesh.positions.size());
-    mix(mesh.triangles.size());
-    mix(mesh.casts * 4 + mesh.receives * 2 + mesh.seen);
-    mix(std::bit_cast<std::uintptr_t>(mesh.alpha_mask.get()));
-    mix(std::bit_cast<std::uintptr_t>(mesh.transmission.get()));
-    mix(std::bit_cast<std::uintptr_t>(mesh.uv.data()));
-    if (mesh.positions.empty()) continue;
-    for (std::size_t k = 0; k < 4; ++k) {
-      const glm::vec3& p = mesh.positions[(mesh.positions.size() - 1) * k / 3];
-      for (int i = 0; i < 3; ++i) mix(std::bit_cast<std::uint32_t>(p[i]));
-    }
-  }
-  return hash;
-}
-
 struct SceneSlot {
-  std::uint64_t stamp = 0;
+  SceneStamp stamp;
   SceneBuffers buffers;
 };
 
 /// A weak pointer keeps the control block of the G-buffer's storage, so that no later G-buffer can be taken for this one, and
-/// none of its memory. G-buffers on borrowed arrays (null storage) differ by address and size only.
+/// none of its memory. G-buffers on borrowed arrays (null storage) differ by address, size and scene only. The images are of
+/// the G-buffer's arrays and of flags of the scene, whatever pose that is in; depth is drawn from the pose.
 struct GBufferSlot {
   std::weak_ptr<const void> storage;
   const float* data = nullptr;
-  std::uint64_t scene_stamp = 0;
+  SceneStamp scene;
   GBufferTextures textures;
+  SceneStamp drawn;  ///< of what both depths were drawn from
   DepthStencil depth, shape_depth;
 
-  bool holds(const GBuffer& g, std::uint64_t scene) const {
-    return scene_stamp == scene && data == g.px.data() && textures.position.width == g.width &&
-           textures.position.height == g.height && !storage.owner_before(g.storage) && !g.storage.owner_before(storage);
+  bool holds(const GBuffer& g, const SceneStamp& of_scene) const {
+    const bool is_its_scene = g.storage ? scene.identity == of_scene.identity : scene == of_scene;
+    return is_its_scene && data == g.px.data() && textures.position.width == g.width && textures.position.height == g.height &&
+           !storage.owner_before(g.storage) && !g.storage.owner_before(storage);
+  }
+  void forget_depth() {
+    depth = {};
+    shape_depth = {};
   }
 };
 
@@ -101,40 +78,6 @@ Slot& find_or_make(std::vector<std::unique_ptr<Slot>>& slots, const IsWanted& is
   }
   std::rotate(slots.begin(), found, found + 1);
   return *slots.front();
-}
-
-SceneBuffers upload(const Scene& scene) {
-  SceneBuffers buffers;
-  std::size_t vertices = 0, triangles = 0;
-  for (const Mesh& mesh : scene.meshes) {
-    buffers.meshes.push_back({static_cast<std::uint32_t>(vertices), static_cast<std::uint32_t>(triangles),
-                              static_cast<std::uint32_t>(mesh.triangles.size()), mesh.casts, mesh.receives,
-                              mesh.alpha_mask != nullptr, mesh.transmission != nullptr});
-    vertices += mesh.positions.size();
-    triangles += mesh.triangles.size();
-  }
-  UnsetVector<glm::vec3> positions(vertices);
-  UnsetVector<glm::uvec3> corners(triangles);
-  for (std::size_t m = 0; m < scene.meshes.size(); ++m) {
-    const Mesh& mesh = scene.meshes[m];
-    const MeshRange& range = buffers.meshes[m];
-    std::ranges::copy(mesh.positions, positions.begin() + range.first_vertex);
-    std::ranges::transform(mesh.triangles, corners.begin() + range.first_triangle,
-                           [&](const glm::uvec3& t) { return t + range.first_vertex; });
-  }
-  buffers.positions = Buffer(positions.data(), positions.size() * sizeof(glm::vec3));
-  buffers.triangles = Buffer(corners.data(), corners.size() * sizeof(glm::uvec3));
-  buffers.vertex_array = make_vertex_array();
-  const GLuint vao = buffers.vertex_array.name();
-  glVertexArrayVertexBuffer(vao, 0, buffers.positions.name(), 0, sizeof(glm::vec3));
-  glVertexArrayAttribFormat(vao, 0, 3, GL_FLOAT, GL_FALSE, 0);
-  glVertexArrayAttribBinding(vao, 0, 0);
-  glEnableVertexArrayAttrib(vao, 0);
-  glVertexArrayElementBuffer(vao, buffers.triangles.name());
-  buffers.bytes = buffers.positions.bytes + buffers.triangles.bytes;
-  upload_masks(scene, buffers);
-  uploaded_bytes += buffers.bytes;
-  return buffers;
 }
 
 /// A view that shows nothing has its target for its nearest point.
@@ -193,10 +136,10 @@ void main() {
 )";
 
 GBufferSlot& gbuffer_slot(const GBuffer& gbuffer, const Scene& scene) {
-  const std::uint64_t wanted = stamp(scene);
+  const SceneStamp wanted(scene);
   return find_or_make(
       inputs().gbuffers, [&](const GBufferSlot& slot) { return slot.holds(gbuffer, wanted); },
-      [&] { return GBufferSlot{gbuffer.storage, gbuffer.px.data(), wanted, upload(gbuffer, scene), {}, {}}; });
+      [&] { return GBufferSlot{gbuffer.storage, gbuffer.px.data(), wanted, upload(gbuffer, scene), {}, {}, {}}; });
 }
 
 }  // namespace
@@ -217,24 +160,33 @@ GlLimits inputs_need(const Scene& scene, int width, int height) {
 }
 
 const SceneBuffers& scene_buffers(const Scene& scene) {
-  const std::uint64_t wanted = stamp(scene);
-  const auto is_wanted = [&](const SceneSlot& slot) { return slot.stamp == wanted; };
-  return find_or_make(inputs().scenes, is_wanted, [&] { return SceneSlot{wanted, upload(scene)}; }).buffers;
+  const SceneStamp wanted(scene);
+  const auto is_wanted = [&](const SceneSlot& slot) {
+    return slot.stamp == wanted || (wanted.is_later_pose_of(slot.stamp) && can_take_positions(scene, slot.buffers));
+  };
+  SceneSlot& slot = find_or_make(inputs().scenes, is_wanted, [&] {
+    SceneSlot made{wanted, upload_scene(scene)};
+    uploaded_bytes += made.buffers.bytes;
+    return made;
+  });
+  if (slot.stamp != wanted) {
+    uploaded_bytes += upload_positions(scene, slot.buffers);
+    slot.stamp = wanted;
+  }
+  return slot.buffers;
 }
 
 const SceneBuffers* uploaded_scene(const Scene& scene) {
-  const auto found = std::ranges::find(inputs().scenes, stamp(scene), [](const auto& slot) { return slot->stamp; });
+  const SceneStamp wanted(scene);
+  const auto found = std::ranges::find(inputs().scenes, wanted, [](const auto& slot) { return slot->stamp; });
   return found == inputs().scenes.end() ? nullptr : &(*found)->buffers;
 }
 
 void forget_scene(const Scene& scene) {
-  const std::uint64_t wanted = stamp(scene);
-  std::erase_if(inputs().scenes, [&](const auto& slot) { return slot->stamp == wanted; });
+  const std::uint64_t wanted = SceneStamp(scene).identity;
+  std::erase_if(inputs().scenes, [&](const auto& slot) { return slot->stamp.identity == wanted; });
   for (const auto& slot : inputs().gbuffers)
-    if (slot->scene_stamp == wanted) {
-      slot->depth = {};
-      slot->shape_depth = {};
-    }
+    if (slot->scene.identity == wanted) slot->forget_depth();
 }
 
 std::uint64_t uploaded_scene_bytes() { return uploaded_bytes; }
@@ -243,8 +195,9 @@ bool uses_depth_stencil(Truth sees) { return is_depth_used[static_cast<std::size
 
 UploadCost picture_uploads(const Scene& scene, const GBuffer& gbuffer) {
   UploadCost cost;
+  const SceneStamp wanted(scene);
   for (const auto& slot : inputs().gbuffers)
-    if (slot->holds(gbuffer, stamp(scene)))
+    if (slot->holds(gbuffer, wanted))
       cost = {slot->textures.bytes + slot->depth.bytes + slot->shape_depth.bytes,
               slot->textures.upload_ms + slot->depth.upload_ms + slot->shape_depth.upload_ms};
   return cost;
@@ -262,6 +215,10 @@ const DepthStencil& depth_stencil(const Scene& scene, const GBuffer& gbuffer, Tr
   is_depth_used[static_cast<std::size_t>(sees)] = true;
   const bool shows_shapes = sees == Truth::shape && gbuffer.truth == Truth::shape && scene.has_curved_shapes();
   GBufferSlot& slot = gbuffer_slot(gbuffer, scene);
+  if (const SceneStamp now(scene); slot.drawn != now) {
+    slot.forget_depth();
+    slot.drawn = now;
+  }
   DepthStencil& depth = shows_shapes ? slot.shape_depth : slot.depth;
   if (depth.texture) return depth;
   CasterPrograms& programs = inputs().depth_programs;
@@ -306,22 +263,6 @@ const DepthStencil& depth_stencil(const Scene& scene, const GBuffer& gbuffer, Tr
 void release_inputs() {
   inputs() = {};
   release_passes();
-}
-
-void SceneBuffers::draw(const std::vector<std::uint32_t>& which) const {
-  std::vector<GLsizei> counts;
-  std::vector<const void*> offsets;
-  for (std::size_t i = 0, j; i < which.size(); i = j) {
-    const std::uint32_t first = meshes[which[i]].first_triangle;
-    std::uint32_t end = first;
-    for (j = i; j < which.size() && meshes[which[j]].first_triangle == end; ++j) end += meshes[which[j]].triangle_count;
-    counts.push_back(static_cast<GLsizei>(3 * (end - first)));
-    offsets.push_back(reinterpret_cast<const void*>(std::uintptr_t(first) * sizeof(glm::uvec3)));
-  }
-  if (counts.empty()) return;
-  glBindVertexArray(vertex_array.name());
-  glMultiDrawElements(GL_TRIANGLES, counts.data(), GL_UNSIGNED_INT, offsets.data(), static_cast<GLsizei>(counts.size()));
-  glBindVertexArray(0);
 }
 
 }  // namespace gnomon

@@ -264,15 +264,19 @@ bool looks_through_cube(const Light& light) {
 }
 
 MeshBoxes mesh_boxes(const Scene& scene, GlassAs glass) {
-  MeshBoxes boxes{.meshes = {}, .extent = scene.bounds().extent()};
-  const glm::vec3 slack(static_cast<float>(boxes.extent * 0x1p-20));
+  MeshBoxes boxes;
+  Bounds all;
   for (const Mesh& mesh : scene.meshes) {
     const bool is_left_out = mesh.transmission && glass == GlassAs::none;
-    MeshBox box{.bounds = {}, .casts = mesh.casts && !is_left_out, .receives = mesh.receives && mesh.seen};
-    box.bounds.add(mesh.positions);
+    boxes.meshes.push_back(
+        {.bounds = mesh.reached(), .casts = mesh.casts && !is_left_out, .receives = mesh.receives && mesh.seen});
+    all.add(boxes.meshes.back().bounds);
+  }
+  boxes.extent = all.extent();
+  const glm::vec3 slack(static_cast<float>(boxes.extent * 0x1p-20));
+  for (MeshBox& box : boxes.meshes) {
     box.bounds.min -= slack;
     box.bounds.max += slack;
-    boxes.meshes.push_back(box);
   }
   return boxes;
 }

@@ -105,6 +105,22 @@ Shape scaled(const Shape& shape, double scale) {
   return Cone{cone.base * length, cone.axis, cone.radius * length, cone.height * length};
 }
 
+bool has_degenerate(const Mesh& mesh) {
+  return std::ranges::any_of(mesh.triangles, [&](const glm::uvec3& t) {
+    return is_degenerate(mesh.positions[t.x], mesh.positions[t.y], mesh.positions[t.z]);
+  });
+}
+
+/// Gives a geometry the triangles of a mesh. One without area gets its first corner three times: Embree's normal of it is then
+/// exactly 0, which it takes for no hit. That of three places in a line is what float32 rounds, and may be hit.
+void set_sound_triangles(RTCGeometry geometry, const Mesh& mesh) {
+  auto* triangles = static_cast<glm::uvec3*>(
+      rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, sizeof(glm::uvec3), mesh.triangles.size()));
+  std::ranges::transform(mesh.triangles, triangles, [&](const glm::uvec3& t) {
+    return is_degenerate(mesh.positions[t.x], mesh.positions[t.y], mesh.positions[t.z]) ? glm::uvec3(t.x) : t;
+  });
+}
+
 /// Whether anything blocks the rays, hits that the filter excludes left out; bit k is ray k.
 std::uint32_t trace(RTCScene scene, std::uint32_t valid, ShadowPacket& packet, FilterContext& context,
                     RTCFilterFunctionN filter) {
@@ -196,8 +212,12 @@ RayScene::RayScene(const Scene& scene, Truth truth, Which which) : body_(std::ma
                                                                        sizeof(glm::vec3), mesh.positions.size()));
       std::ranges::transform(mesh.positions, vertices,
                              [&](const glm::vec3& p) { return glm::vec3(body_->scale * glm::dvec3(p)); });
-      rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, mesh.triangles.data(), 0,
-                                 sizeof(glm::uvec3), mesh.triangles.size());
+      // Of a scene that stands still such triangles were dropped when it was loaded.
+      if ((scene.motion || scene.pose_number != 0) && has_degenerate(mesh))
+        set_sound_triangles(geometry, mesh);
+      else
+        rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, mesh.triangles.data(), 0,
+                                   sizeof(glm::uvec3), mesh.triangles.size());
     }
     rtcCommitGeometry(geometry);
     rtcAttachGeometryByID(body_->scene, geometry, index);

@@ -31,7 +31,7 @@ std::span<const Rule> rules() {
   static const std::vector<Rule> all = [] {
     std::vector<Rule> rules;
     for (auto* of_file : {about_rules, answer_rules, promise_rules, cause_rules, life_rules, light_rules, neighbor_rules,
-                          limit_rules, scale_rules, memory_rules})
+                          limit_rules, scale_rules, memory_rules, motion_rules})
       std::ranges::copy(of_file(), std::back_inserter(rules));
     return rules;
   }();

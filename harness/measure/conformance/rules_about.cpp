@@ -76,6 +76,8 @@ void parameters_and_layers(Trial& trial) {
                  fmt::format("parameter {} begins with {}, not with its default {}", name, p->text(), p->default_text()));
     trial.expect(p->probes().size() >= 2, fmt::format("parameter {} has fewer than two probes", name));
     trial.expect(&technique->parameter(name) == p, fmt::format("parameter {} is not found by its name", name));
+    trial.expect(p->spoils() != Stage::update,
+                 fmt::format("parameter {} spoils update; allowed are setup, build, relight and resolve", name));
   }
   check_layers(trial, *technique);
   trial.expect(technique->settings().empty(), fmt::format("a fresh object has the settings '{}'", technique->settings()));

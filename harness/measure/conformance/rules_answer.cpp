@@ -3,6 +3,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "measure/conformance/motion_world.h"
 #include "measure/conformance/trial.h"
 #include "measure/scene/load.h"
 
@@ -16,6 +17,9 @@ void same_mask(Trial& trial) {
       const std::vector<float> first = trial.answer(*technique, w.scene, light, gbuffer);
       trial.expect_mask(first, w.scene, gbuffer, light);
       trial.expect_same(first, trial.resolve(*technique, gbuffer), "resolve again", &gbuffer);
+      technique->update(w.scene, no_changes(w.scene));
+      technique->relight(light);
+      trial.expect_same(first, trial.resolve(*technique, gbuffer), "update where nothing moved, relight, resolve", &gbuffer);
       trial.expect_same(first, trial.answer(*technique, w.scene, light, gbuffer), "build, relight, resolve again", &gbuffer);
       trial.expect_same(first, trial.fresh_answer(w.scene, light, gbuffer), "another object", &gbuffer);
     });
@@ -171,7 +175,8 @@ void global_pictures(Trial& trial) {
 std::vector<Rule> answer_rules() {
   return {Rule("same_mask", same_mask, {.has_small_pictures = true},
                "Under every supported light it writes every pixel of the mask: a number from 0 to 1, and 1 where nothing faces "
-               "the light. Repeating a stage, repeating all stages, and another object give the same mask bit for bit.",
+               "the light. Repeating a stage, update where nothing moved, repeating all stages, and another object give the "
+               "same mask bit for bit.",
                "Write every pixel, 1 where faces_light() says no. What differs from call to call comes from memory that is not "
                "set, from work that an earlier call left half done, or from the order of threads. Random numbers come from a "
                "seed parameter."),

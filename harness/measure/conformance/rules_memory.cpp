@@ -11,6 +11,7 @@
 #include <optional>
 
 #include "device/context.h"
+#include "measure/conformance/motion_world.h"
 #include "measure/conformance/trial.h"
 #include "measure/program/elsewhere.h"
 
@@ -136,6 +137,27 @@ void reported_bytes(Trial& trial) {
   }
 }
 
+/// Where the scene moves, update uploads what moved, and no stage after it.
+void geometry_in_update(Trial& trial) {
+  MovingWorld world(moving_things(true), trial.entry().about.sees);
+  trial.at(world.scene().name);
+  for (const Light& light : trial.supported_lights(world.scene())) {
+    trial.at(light);
+    world.go_to(0);
+    world.take_changes();
+    const auto technique = trial.set_up();
+    trial.answer(*technique, world.scene(), light, world.gbuffer());
+    world.go_to(5);
+    if (!trial.support(world.scene(), light)) continue;
+    technique->update(world.scene(), world.take_changes());
+    const std::uint64_t updated = uploaded_scene_bytes();
+    technique->relight(light);
+    trial.expect(uploaded_scene_bytes() == updated, "relight uploads the scene, which moved");
+    trial.resolve(*technique, world.gbuffer());
+    trial.expect(uploaded_scene_bytes() == updated, "resolve uploads the scene, which moved");
+  }
+}
+
 // Twice: in a process that has seen nothing, and after the geometry changed.
 void geometry_in_build(Trial& trial) {
   trial.under_each_light("box_city:count=12", [&](const World& w, const GBuffer& gbuffer, const Light& light) {
@@ -151,6 +173,7 @@ void geometry_in_build(Trial& trial) {
       trial.expect(uploaded_scene_bytes() == built, fmt::format("resolve uploads the scene{}", when));
     }
   });
+  geometry_in_update(trial);
 }
 
 }  // namespace
@@ -158,9 +181,10 @@ void geometry_in_build(Trial& trial) {
 std::vector<Rule> memory_rules() {
   return {Rule("geometry_in_build", geometry_in_build,
                {.applies_to = AppliesTo::drawing, .has_small_pictures = true, .sanitized = Sanitized::nothing},
-               "Build uploads the scene's triangles to OpenGL, so that its time includes the upload. No later stage uploads "
-               "them.",
-               "Ask for scene_buffers(scene) in build, also where only depth_stencil or a later stage needs them."),
+               "Build uploads the scene's triangles to OpenGL, so that its time includes the upload, and update those that "
+               "moved. No later stage uploads them.",
+               "Ask for scene_buffers(scene) in build and in update, also where only depth_stencil or a later stage needs "
+               "them."),
           Rule("reported_bytes", reported_bytes, {.sanitized = Sanitized::nothing},
                "From 6 thousand to 400 thousand triangles, the count bytes grows as resident memory does, within a factor of "
                "two and 8 MiB.",

@@ -1,7 +1,10 @@
 // What a technique must leave alone: its inputs, textures of others, the state of OpenGL.
 #include <gnomon/kit/gl/gl.h>
 
+#include <functional>
+
 #include "measure/conformance/gl_state.h"
+#include "measure/conformance/motion_world.h"
 #include "measure/conformance/trial.h"
 
 namespace gnomon::conformance {
@@ -63,13 +66,23 @@ Texture canary(int width, int height) {
   return texture;
 }
 
+/// What a frame does in which nothing moved.
+void update_and_answer(const Trial& trial, Technique& technique, const Scene& scene, const Light& light,
+                       const GBuffer& gbuffer) {
+  technique.update(scene, no_changes(scene));
+  technique.relight(light);
+  trial.resolve(technique, gbuffer);
+}
+
 void inputs(Trial& trial) {
   const auto w = trial.enter("box_city:count=12");
   const GBuffer gbuffer = w->gbuffer();
   const Bytes before = bytes_of(w->scene, gbuffer);
   for (const Light& light : trial.supported_lights(w->scene)) {
     trial.at(light);
-    trial.fresh_answer(w->scene, light, gbuffer);
+    const auto technique = trial.set_up();
+    trial.answer(*technique, w->scene, light, gbuffer);
+    update_and_answer(trial, *technique, w->scene, light, gbuffer);
     if (bytes_of(w->scene, gbuffer) != before) return trial.found("scene or G-buffer were written to");
   }
 }
@@ -85,12 +98,34 @@ void gl_inputs(Trial& trial) {
     const auto technique = trial.set_up();
     const Texture second = canary(gbuffer.width, gbuffer.height);
     trial.answer(*technique, w->scene, light, gbuffer);
+    update_and_answer(trial, *technique, w->scene, light, gbuffer);
     const auto after = gl_inputs_now(w->scene, gbuffer);
     for (std::size_t k = 0; k < before.size(); ++k)
       trial.expect(after[k].second == before[k].second, fmt::format("{} were written to", before[k].first));
     trial.expect(read(first, GL_RED, GL_FLOAT) == colors && read(second, GL_RED, GL_FLOAT) == colors,
                  "a texture that is not the technique's was written to");
   }
+}
+
+/// The same of a scene that moved. `look` finds what is not at its default.
+void gl_state_after_update(Trial& trial, const std::function<void(std::string_view)>& look) {
+  MovingWorld world(moving_things(true), trial.entry().about.sees);
+  trial.at(world.scene().name);
+  const std::vector<Light> lights = trial.supported_lights(world.scene());
+  if (lights.empty()) return;
+  trial.at(lights[0]);
+  const auto technique = trial.set_up();
+  trial.answer(*technique, world.scene(), lights[0], world.gbuffer());
+  world.take_changes();
+  world.go_to(MovingWorld::inside_frame);
+  const GBuffer& gbuffer = world.gbuffer();
+  if (!trial.support(world.scene(), lights[0])) return;
+  technique->update(world.scene(), world.take_changes());
+  look("update");
+  technique->relight(lights[0]);
+  look("relight after update");
+  trial.resolve(*technique, gbuffer);
+  look("resolve after update");
 }
 
 void gl_state(Trial& trial) {
@@ -115,6 +150,7 @@ void gl_state(Trial& trial) {
     for (const DebugLayer& layer : technique->debug_layers()) technique->draw_debug(layer.name);
     look("explain and draw_debug");
   }
+  gl_state_after_update(trial, look);
   look("destruction");
 }
 

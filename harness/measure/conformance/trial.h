@@ -97,6 +97,6 @@ std::string with_small_pictures(const TechniqueEntry& entry, const std::string& 
 
 // The rules of each file.
 std::vector<Rule> about_rules(), answer_rules(), promise_rules(), cause_rules(), life_rules(), light_rules(), neighbor_rules(),
-    limit_rules(), scale_rules(), memory_rules();
+    limit_rules(), scale_rules(), memory_rules(), motion_rules();
 
 }  // namespace gnomon::conformance

@@ -91,13 +91,30 @@ int frame_version() { return 8; }
 FrameStore::FrameStore(const Scene& scene, fs::path folder, std::unique_ptr<FrameMaker> maker)
     : scene_(scene), files_(std::move(folder)), maker_(std::move(maker)) {}
 
-const std::string& FrameStore::scene_hash(const std::vector<std::string>& lights) {
-  const auto [found, is_new] = hash_by_lights_.try_emplace(lights);
-  if (is_new) found->second = gnomon::scene_hash(scene_, lights);
+const std::string& FrameStore::scene_hash(const std::vector<std::string>& lights, WithMotion with_motion) {
+  const auto [found, is_new] = hashes_.try_emplace({lights, with_motion});
+  if (!is_new) return found->second;
+  found->second = scene_.motion ? gnomon::scene_hash(scene_from_bytes(scene_bytes_), lights, with_motion)
+                                : gnomon::scene_hash(scene_, lights);
   return found->second;
 }
 
+void FrameStore::require_pose(const FrameKey& key) {
+  if (!key.pose && (!scene_.motion || scene_.pose_number == rest_number_)) return;
+  if (hash_now_.empty() || hashed_number_ != scene_.pose_number) {
+    hash_now_ = pose_hash(scene_);
+    hashed_number_ = scene_.pose_number;
+  }
+  const std::string& wanted = key.pose ? key.pose->hash : rest_hash_;
+  if (hash_now_ == wanted) return;
+  const std::string at =
+      key.pose ? fmt::format("at {} s of animation {}", key.pose->at.seconds, key.pose->at.animation) : "at rest";
+  throw Error("a frame of scene {} {} is wanted while its meshes are elsewhere: their positions have the hash {}, {} is wanted",
+              scene_.name, at, hash_now_, wanted);
+}
+
 fs::path FrameStore::find_or_make(const std::string& name, MissingFrame missing) {
+  require_pose(missing.key);
   const std::size_t size = size_of(scene_, missing);
   if (const fs::path file = files_.find(name, size + hash_size, ends_with_own_hash); !file.empty()) return file;
   if (missing.light) missing.gbuffer_file = gbuffer_file(missing.key);
@@ -120,6 +137,8 @@ std::string FrameStore::hash(const FrameKey& key, const Light* light, const Area
   fingerprint.name =
       fmt::format("{} {} {} {} {} {}", file_layout, frame_version(), scene_hash_, key.width, key.height, name(key.truth));
   fingerprint.views = {key.view};
+  // By positions alone: where two animations meet, they share a frame.
+  if (key.pose) fingerprint.name += fmt::format(" pose {}", key.pose->hash);
   if (light) {
     const bool is_soft = has_area(*light);
     fingerprint.name +=
@@ -155,7 +174,18 @@ GBuffer map_gbuffer(const fs::path& path, const FrameKey& key) { return gbuffer_
 
 GBuffer copy_gbuffer(const fs::path& path, const FrameKey& key) { return gbuffer_of(MappedFile::copy(path), path, key); }
 
+void FrameTracer::follow_pose() {
+  std::vector<bool> is_curved;
+  for (const Mesh& mesh : scene_.meshes) is_curved.push_back(mesh.has_curved_shape());
+  if (pose_number_ == scene_.pose_number && is_curved_ == is_curved) return;
+  rays_.clear();
+  silhouettes_of_.clear();
+  pose_number_ = scene_.pose_number;
+  is_curved_ = std::move(is_curved);
+}
+
 const RayScene& FrameTracer::rays(Truth truth, RayScene::Which which) {
+  follow_pose();
   if (!scene_.has_curved_shapes()) truth = Truth::mesh;
   const auto does_both = [](const Mesh& mesh) { return mesh.casts && mesh.seen; };
   if (std::ranges::all_of(scene_.meshes, does_both)) which = RayScene::Which::casters;
@@ -184,6 +214,7 @@ std::vector<std::byte> FrameTracer::make(const MissingFrame& missing) {
 }
 
 std::span<const std::uint8_t> FrameTracer::silhouettes(const MissingFrame& missing, const GBuffer& g) {
+  follow_pose();
   // A file's name is the hash of what it was made from.
   if (silhouettes_of_ != missing.gbuffer_file) {
     silhouettes_ = find_silhouettes(everything(missing.key.truth), g);

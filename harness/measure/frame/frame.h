@@ -10,6 +10,7 @@
 #include "measure/frame/soft_reference.h"
 #include "measure/scene/blob.h"
 #include "measure/scene/channels.h"
+#include "measure/scene/posed_scene.h"
 
 namespace gnomon {
 
@@ -55,6 +56,7 @@ struct FrameKey {
   View view;
   int width = 0, height = 0;
   Truth truth = Truth::shape;
+  std::optional<WantedPose> pose = {};  ///< that the scene is in; nothing: at rest, also of a scene without motion
 };
 
 /// What a FrameStore has not got yet.
@@ -82,7 +84,7 @@ class FrameTracer final : public FrameMaker {
  public:
   explicit FrameTracer(const Scene& scene) : scene_(scene) {}
   std::vector<std::byte> make(const MissingFrame& missing) override;
-  /// All casters under a truth; built on first use.
+  /// All casters under a truth; built on first use, and anew once the scene's meshes have moved (Scene::pose_number).
   const RayScene& casters(Truth truth) { return rays(truth, RayScene::Which::casters); }
   /// All meshes under a truth; the same as the casters where all cast.
   const RayScene& everything(Truth truth) { return rays(truth, RayScene::Which::seen); }
@@ -91,6 +93,8 @@ class FrameTracer final : public FrameMaker {
   FrameTracer& of(const Light& light);
 
  private:
+  /// Drops all that was made of meshes which have moved since.
+  void follow_pose();
   const RayScene& rays(Truth truth, RayScene::Which which);
   /// See find_silhouettes; those of the last view are kept, for its other lights.
   std::span<const std::uint8_t> silhouettes(const MissingFrame& missing, const GBuffer& g);
@@ -104,19 +108,23 @@ class FrameTracer final : public FrameMaker {
   std::map<std::pair<Truth, RayScene::Which>, RayScene> rays_;
   std::filesystem::path silhouettes_of_;  ///< the G-buffer's file
   std::vector<std::uint8_t> silhouettes_;
+  // At which rays and silhouettes were made. A mesh that moves has no exact shape, also where it has not moved yet.
+  std::uint64_t pose_number_ = 0;
+  std::vector<bool> is_curved_;
 };
 
 /// G-buffers and references of one scene: made once, kept in a content-hashed folder, mapped by every process that needs
 /// them. A file appears there whole or not at all and ends with the hash of its content, which is looked at before it is used;
-/// one that was damaged is made again. FrameFiles says where they are.
+/// one that was damaged is made again. FrameFiles says where they are. The scene's meshes are at rest when the store is made.
+/// They may move afterwards: the scene must be in the pose of the FrameKey whenever a frame is asked for, else Error is thrown.
 class FrameStore {
  public:
   /// Without a maker it traces itself.
   FrameStore(const Scene& scene, std::filesystem::path folder, std::unique_ptr<FrameMaker> maker = nullptr);
 
-  /// The scene's hash in records of rows under lights of these names.
-  const std::string& scene_hash(const std::vector<std::string>& lights);
-  /// The scene's bytes as a file, for other processes.
+  /// The scene's hash in records of rows under lights of these names; of its meshes at rest, wherever they are now.
+  const std::string& scene_hash(const std::vector<std::string>& lights, WithMotion with_motion = WithMotion::no);
+  /// The scene's bytes as a file, for other processes: its meshes at rest, and how they move.
   std::filesystem::path scene_file();
   std::filesystem::path gbuffer_file(const FrameKey& key);
   GBuffer gbuffer(const FrameKey& key);
@@ -138,12 +146,18 @@ class FrameStore {
   /// The file of a name whose content has the frame's size and ends with its hash; it is made where there is none, from the
   /// files of the scene and of the G-buffer.
   std::filesystem::path find_or_make(const std::string& name, MissingFrame missing);
+  /// Throws Error where the scene is in another pose than the key's.
+  void require_pose(const FrameKey& key);
 
   const Scene& scene_;
   FrameFiles files_;
   std::vector<std::byte> scene_bytes_ = scene_bytes(scene_);
-  std::string scene_hash_ = content_hash(scene_bytes_);             ///< with all lights
-  std::map<std::vector<std::string>, std::string> hash_by_lights_;  ///< see scene_hash
+  std::string scene_hash_ = content_hash(scene_bytes_);                            ///< with all lights
+  std::map<std::pair<std::vector<std::string>, WithMotion>, std::string> hashes_;  ///< see scene_hash
+  std::uint64_t rest_number_ = scene_.pose_number;                                 ///< of the scene at rest, as it came
+  std::string rest_hash_ = scene_.motion ? pose_hash(scene_) : "";                 ///< of its positions then
+  std::uint64_t hashed_number_ = rest_number_;
+  std::string hash_now_ = rest_hash_;  ///< of its positions at `hashed_number_`
   FrameTracer tracer_{scene_};
   std::unique_ptr<FrameMaker> maker_;  ///< null: the tracer
 };

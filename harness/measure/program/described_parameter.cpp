@@ -45,9 +45,23 @@ std::unique_ptr<Parameter> described_row(const DescribedParameter& row, Parametr
 
 }  // namespace
 
+std::string spoilable_stage_names() {
+  std::vector<std::string> names;
+  for (const Stage stage : spoilable_stages) names.emplace_back(name(stage));
+  return joined(names, ", ");
+}
+
+void check_spoils(std::string_view parameter, Stage stage) {
+  if (std::ranges::find(spoilable_stages, stage) == std::end(spoilable_stages))
+    throw Error("parameter {} spoils {}; a parameter spoils one of {}", parameter, name(stage), spoilable_stage_names());
+}
+
 std::vector<std::unique_ptr<Parameter>> described_rows(std::span<const DescribedParameter> descriptions, Parametrized* owner) {
   std::vector<std::unique_ptr<Parameter>> rows;
-  for (const DescribedParameter& description : descriptions) rows.push_back(described_row(description, owner));
+  for (const DescribedParameter& description : descriptions) {
+    check_spoils(description.name, description.stage);
+    rows.push_back(described_row(description, owner));
+  }
   return rows;
 }
 

@@ -26,6 +26,7 @@ Json parameters_json(const Parametrized& of) {
   Json rows = Json::array();
   for (const Parameter* const row : of.parameters()) {
     if (&typed(*row) != row) continue;
+    check_spoils(row->name(), row->spoils());
     rows.push_back(json_object({{"name", row->name()},
                                 {"unit", row->unit()},
                                 {"sentence", row->sentence()},
@@ -137,7 +138,7 @@ glm::dvec3 color_of(const Json& color) {
   return {color.at(0).get<double>(), color.at(1).get<double>(), color.at(2).get<double>()};
 }
 
-/// Calls use(key, member) for every text and flag of a data sheet, and use(key, member, last) for every enum.
+/// Calls use(key, member) for every text, flag and number of a data sheet, and use(key, member, last) for every enum.
 template <class SomeAbout>
 void for_each_fact(SomeAbout& about, const auto& use) {
   use("title", about.title);
@@ -155,10 +156,11 @@ void for_each_fact(SomeAbout& about, const auto& use) {
     use("needs_gl", about.needs_gl);
     use("rasterizes", about.rasterizes);
     use("named_only", about.named_only);
+    use("update_error", about.update_error);
   }
 }
 
-/// Id, texts, enums and flags of a data sheet.
+/// Id, texts, enums, flags and numbers of a data sheet.
 Json facts_json(const auto& entry) {
   Json sheet = json_object({{"id", entry.id}});
   for_each_fact(entry.about, [&](const char* key, const auto& fact, [[maybe_unused]] auto... last) {
@@ -194,6 +196,8 @@ void read_facts(const Json& sheet, auto& about) {
       fact = enum_of(sheet.at(key), last...);
     else if constexpr (std::is_same_v<decltype(fact), bool&>)
       fact = sheet.at(key).get<bool>();
+    else if constexpr (std::is_same_v<decltype(fact), float&>)
+      fact = sheet.at(key).get<float>();
     else
       fact = kept(sheet.at(key));
   });

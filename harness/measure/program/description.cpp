@@ -64,13 +64,33 @@ std::vector<std::string> names_of_features() {
   return names;
 }
 
-std::vector<std::string> names_of_stages() { return {std::begin(stage_names), std::end(stage_names)}; }
-
 Stage stage_of(const Table& table) {
   const std::string word = table.text("stage");
-  const auto found = std::ranges::find(stage_names, word);
-  if (found == std::end(stage_names)) table.refuse("stage", '\'' + word + '\'', "one of " + joined(names_of_stages(), ", "));
-  return static_cast<Stage>(found - std::begin(stage_names));
+  for (const Stage stage : spoilable_stages)
+    if (word == name(stage)) return stage;
+  table.refuse("stage", '\'' + word + '\'', "one of " + spoilable_stage_names());
+}
+
+/// By stage whether the program does it: all but update, unless the description lists them.
+std::array<bool, std::size(stage_names)> stages_of(const toml::table& toml, const Table& table) {
+  std::vector<std::string> all, usual;
+  for (const Stage stage : all_stages) {
+    all.emplace_back(name(stage));
+    if (stage != Stage::update) usual.emplace_back(name(stage));
+  }
+  const std::vector<std::string> stages = words_of(toml, table, "stages", all, usual);
+  if (!holds(stages, name(Stage::resolve))) table.refuse("stages", "this", "a list with resolve, which makes the mask");
+  if (holds(stages, name(Stage::update)) && !holds(stages, name(Stage::build)))
+    table.refuse("stages", "this", "a list with build beside update, which takes its place where geometry moved");
+  std::array<bool, std::size(stage_names)> has{};
+  for (const Stage stage : all_stages) has[static_cast<std::size_t>(stage)] = holds(stages, name(stage));
+  return has;
+}
+
+float update_error_of(const Table& table) {
+  const double error = table.number("update_error", 0);
+  if (!(error >= 0 && error <= 1)) table.refuse("update_error", error, "within 0 .. 1");
+  return static_cast<float>(error);
 }
 
 DescribedParameter parameter_of(const toml::table& toml, const fs::path& file, const std::vector<DescribedParameter>& others) {
@@ -187,10 +207,10 @@ void refuse_control_characters(const toml::table& table, const fs::path& file) {
 
 std::shared_ptr<const ProgramDescription> read_program(const fs::path& file) {
   const toml::table toml = read_toml("program " + file.string(), file);
-  const Table table(toml, file, "program",
-                    {"title",       "summary", "source",    "error",     "fails",      "command",    "stages", "lights",
-                     "approximate", "promise", "sees",      "estimates", "role",       "answers",    "scene",  "gbuffer",
-                     "mask",        "need",    "parameter", "cause",     "rasterizes", "named_only", "handles"});
+  const Table table(toml, file, "program", {"title",     "summary", "source",      "error",      "fails",   "command",
+                                            "stages",    "lights",  "approximate", "promise",    "sees",    "estimates",
+                                            "role",      "answers", "scene",       "gbuffer",    "mask",    "need",
+                                            "parameter", "cause",   "rasterizes",  "named_only", "handles", "update_error"});
   auto made = std::make_shared<ProgramDescription>();
   ProgramDescription& d = *made;
   d.file = file;
@@ -219,9 +239,8 @@ std::shared_ptr<const ProgramDescription> read_program(const fs::path& file) {
   const auto list = [&](std::string_view key, const std::vector<std::string>& known, std::vector<std::string> fallback) {
     return words_of(toml, table, key, known, std::move(fallback));
   };
-  const std::vector<std::string> stages = list("stages", names_of_stages(), names_of_stages());
-  for (std::size_t s = 0; s < d.has_stage.size(); ++s) d.has_stage[s] = holds(stages, stage_names[s]);
-  if (!d.has_stage.back()) table.refuse("stages", "this", "a list with resolve, which makes the mask");
+  d.has_stage = stages_of(toml, table);
+  d.about.update_error = update_error_of(table);
   d.lights = list("lights", {std::begin(all_light_kinds), std::end(all_light_kinds)}, {"point", "spot", "directional"});
   d.light_kinds.assign(d.lights.begin(), d.lights.end());
   d.about.lights = d.light_kinds;
@@ -245,6 +264,15 @@ std::shared_ptr<const ProgramDescription> read_program(const fs::path& file) {
   for (const std::string& word : list("handles", names_of_features(), {})) d.handles.push_back(feature_named(word).value());
   d.about.handles = d.handles;
   return made;
+}
+
+std::vector<std::string> described_stages(const TechniqueEntry& entry) {
+  std::vector<std::string> names;
+  if (!entry.origin.ends_with(".toml")) return names;
+  const auto description = read_program(entry.origin);
+  for (const Stage stage : all_stages)
+    if (description->has_stage[static_cast<std::size_t>(stage)]) names.emplace_back(name(stage));
+  return names;
 }
 
 std::string search_path() {

@@ -1,5 +1,5 @@
 #pragma once
-#include <gnomon/technique.h>
+#include <gnomon/registry.h>
 
 #include <array>
 #include <filesystem>
@@ -31,13 +31,13 @@ struct ProgramDescription {
   std::filesystem::path file;  ///< as given
   std::string id;              ///< the file's stem
   std::string title, summary, source, error, fails;
-  About about;                                ///< of the texts above
-  std::vector<std::string> command;           ///< run in the file's folder; the first word ready for exec
-  std::array<bool, 4> has_stage{};            ///< by stage: whether the program does it
-  std::vector<std::string> lights;            ///< kinds that it supports
-  std::vector<std::string_view> light_kinds;  ///< the same, for `about`
-  std::vector<Feature> handles;               ///< of scenes, for `about`
-  std::string approximate;                    ///< why its answers are; empty: they are not
+  About about;                                           ///< of the texts above
+  std::vector<std::string> command;                      ///< run in the file's folder; the first word ready for exec
+  std::array<bool, std::size(stage_names)> has_stage{};  ///< by stage: whether the program does it
+  std::vector<std::string> lights;                       ///< kinds that it supports
+  std::vector<std::string_view> light_kinds;             ///< the same, for `about`
+  std::vector<Feature> handles;                          ///< of scenes, for `about`
+  std::string approximate;                               ///< why its answers are; empty: they are not
   bool answers_supports = false, explains = false;
   bool wants_gltf = false, wants_scene_arrays = true, wants_gbuffer_exr = false, wants_gbuffer_arrays = true;
   ProgramMask mask = ProgramMask::float32;
@@ -53,6 +53,9 @@ std::shared_ptr<const ProgramDescription> read_program(const std::filesystem::pa
 /// The files of a program: its description, those words of its command that are files where it runs, and the files of the
 /// folder ID beside ID.toml.
 std::vector<std::filesystem::path> program_files(const ProgramDescription& description);
+
+/// The names of the stages that a technique receives by its description; none where it is no program.
+std::vector<std::string> described_stages(const TechniqueEntry& entry);
 
 /// Where programs are looked for: beside this one, then in PATH.
 std::string search_path();

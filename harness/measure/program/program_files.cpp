@@ -10,7 +10,6 @@
 #include <functional>
 
 #include "measure/exchange/gltf.h"
-#include "measure/exchange/scene_files.h"
 #include "measure/picture/picture.h"
 #include "measure/scene/blob.h"
 
@@ -30,13 +29,29 @@ ScratchFolder fresh_folder() {
                                            : ScratchFolder::temporary("gnomon-program");
 }
 
-std::uint64_t hash_of_all(const Arrays& arrays) {
-  std::uint64_t hash = 0;
-  for (const auto& [name, array] : arrays) hash = std::rotl(hash, 1) ^ hash_of(array);
-  return hash;
+}  // namespace
+
+ArrayHashes::ArrayHashes(const Arrays& arrays) {
+  for (const auto& [name, array] : arrays) {
+    const std::uint64_t hash = hash_of(array);
+    by_name.emplace(name, hash);
+    of_all = std::rotl(of_all, 1) ^ hash;
+  }
 }
 
-}  // namespace
+Json ArrayFiles::write(const fs::path& folder, const std::string& what, const Arrays& arrays, const ArrayHashes& hashes) {
+  Json json = json_object();
+  for (const auto& [name, array] : arrays) {
+    const std::uint64_t hash = hashes.by_name.at(name);
+    const auto known = written_.find(name);
+    if (known == written_.end() || known->second.hash != hash) {
+      written_.erase(name);  // until it is written
+      written_[name] = {hash, write_array(folder / fmt::format("{}_{}.npy", what, name), array)};
+    }
+    json[name] = written_[name].facts;
+  }
+  return json;
+}
 
 ProgramInputs::ProgramInputs(const ProgramDescription& description) : description_(description), folder_(fresh_folder()) {}
 
@@ -44,30 +59,35 @@ Json ProgramInputs::scene(const Scene& scene) {
   const SceneArrays all(scene);
   const Arrays arrays = all.arrays();
   Json facts = scene_facts_json(scene);
-  const std::uint64_t hash = hash_of_all(arrays) ^ std::hash<std::string>()(json_text(facts));
+  const ArrayHashes hashes(arrays);
+  const std::uint64_t hash = hashes.of_all ^ std::hash<std::string>()(json_text(facts));
   Json request = json_object({{"file", (folder() / "scene.json").string()}});
   if (description_.wants_gltf) request["gltf"] = (folder() / "scene.gltf").string();
   if (scene_hash_ == hash) return request;
   scene_hash_.reset();  // until all of it is written
-  if (description_.wants_scene_arrays) facts["arrays"] = write_arrays(folder(), "scene", arrays);
+  if (description_.wants_scene_arrays) facts["arrays"] = scene_files_.write(folder(), "scene", arrays, hashes);
   if (description_.wants_gltf) write_gltf(folder() / "scene.gltf", scene);
-  write_file(folder() / "scene.json", json_text(facts, 1) + "\n");
+  if (std::string text = json_text(facts, 1) + "\n"; text != scene_text_) {
+    scene_text_.clear();
+    write_file(folder() / "scene.json", text);
+    scene_text_ = std::move(text);
+  }
   scene_hash_ = hash;
   return request;
 }
 
 Json ProgramInputs::gbuffer(const GBuffer& gbuffer) {
   const Arrays arrays = gbuffer_arrays(gbuffer);
-  const std::uint64_t hash = hash_of_all(arrays);
-  if (gbuffer_hash_ != hash) {
+  const ArrayHashes hashes(arrays);
+  if (gbuffer_hash_ != hashes.of_all) {
     gbuffer_hash_.reset();
     gbuffer_ = json_object({{"width", gbuffer.width}, {"height", gbuffer.height}});
-    if (description_.wants_gbuffer_arrays) gbuffer_["arrays"] = write_arrays(folder(), "gbuffer", arrays);
+    if (description_.wants_gbuffer_arrays) gbuffer_["arrays"] = gbuffer_files_.write(folder(), "gbuffer", arrays, hashes);
     if (description_.wants_gbuffer_exr) {
       write_gbuffer_exr(folder() / "gbuffer.exr", gbuffer);
       gbuffer_["exr"] = (folder() / "gbuffer.exr").string();
     }
-    gbuffer_hash_ = hash;
+    gbuffer_hash_ = hashes.of_all;
   }
   gbuffer_["truth"] = name(gbuffer.truth);
   return gbuffer_;

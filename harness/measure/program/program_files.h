@@ -1,6 +1,9 @@
 #pragma once
 #include <gnomon/gbuffer.h>
 
+#include <map>
+
+#include "measure/exchange/scene_files.h"
 #include "measure/json.h"
 #include "measure/program/description.h"
 #include "measure/scratch_folder.h"
@@ -10,6 +13,27 @@ namespace gnomon {
 /// Where the files between a worker and its program lie: a folder that the worker's owner removes. Without it, a folder of the
 /// technique's own.
 inline constexpr const char* program_folder_variable = "GNOMON_PROGRAM_FOLDER";
+
+/// Hashes of named arrays, and one of all of them.
+struct ArrayHashes {
+  explicit ArrayHashes(const Arrays& arrays);
+  std::map<std::string, std::uint64_t> by_name;
+  std::uint64_t of_all = 0;
+};
+
+/// Named arrays as files: of a scene whose vertices moved only `position` is written again.
+class ArrayFiles {
+ public:
+  /// As write_arrays, for those whose numbers are other ones than those that their files hold.
+  Json write(const std::filesystem::path& folder, const std::string& what, const Arrays& arrays, const ArrayHashes& hashes);
+
+ private:
+  struct Written {
+    std::uint64_t hash = 0;
+    Json facts;
+  };
+  std::map<std::string, Written> written_;
+};
 
 /// What a program reads, as files: each is written anew only where its numbers are other ones than those it holds. A file that
 /// is written anew is another file under its name: what still looks at the old one goes on seeing that.
@@ -26,7 +50,9 @@ class ProgramInputs {
  private:
   const ProgramDescription& description_;
   ScratchFolder folder_;
+  ArrayFiles scene_files_, gbuffer_files_;
   std::optional<std::uint64_t> scene_hash_, gbuffer_hash_;
+  std::string scene_text_;  ///< of scene.json
   Json gbuffer_ = json_object();
 };
 

@@ -5,6 +5,7 @@
 #include <set>
 
 #include "measure/paths.h"
+#include "measure/program/changes_json.h"
 #include "measure/program/elsewhere.h"
 #include "measure/program/explanation_json.h"
 #include "measure/program/program_files.h"
@@ -52,7 +53,15 @@ class ProgramTechnique final : public Technique, public WorksElsewhere {
     program_.emplace(*d_);
     tell(Stage::setup, {});
   }
-  void build(const Scene& scene) override { tell(Stage::build, {{"scene", program().inputs.scene(scene)}}); }
+  void build(const Scene& scene) override {
+    stage_counts_[static_cast<std::size_t>(Stage::update)].clear();  // build has counted the same things anew
+    tell(Stage::build, {{"scene", program().inputs.scene(scene)}});
+  }
+  /// A program without this stage builds, as every technique does.
+  void update(const Scene& scene, const Changes& changes) override {
+    if (!program().has_stage(Stage::update)) return build(scene);
+    tell(Stage::update, {{"scene", program().inputs.scene(scene)}, {"changes", changes_json(scene, changes)}});
+  }
   void relight(const Light& light) override { tell(Stage::relight, {{"light", scene_json(light)}}); }
   void resolve(const GBuffer& gbuffer, VisibilityMask& mask) override {
     const ProgramMaskFile file(d_->mask, program().inputs.folder());
@@ -113,10 +122,26 @@ class ProgramTechnique final : public Technique, public WorksElsewhere {
       if (answer.value("protocol", Json()) != program_protocol)
         throw Error("{} speaks protocol {}; this program speaks {}", d.command[0], json_text(answer.value("protocol", Json())),
                     program_protocol);
+      stages = d.has_stage;
+      if (answer.contains("stages")) add_stages(d, answer["stages"]);
       bytes_at_start = process.resident_bytes();
     }
+    bool has_stage(Stage stage) const { return stages[static_cast<std::size_t>(stage)]; }
+    /// Of an answer to hello: stages beside those of the description.
+    void add_stages(const ProgramDescription& d, const Json& more) {
+      if (more != Json::array() && more != Json::array({name(Stage::update)}))
+        throw Error("hello was answered with stages = {}; update is the one that may be added to those of {}: [\"update\"]",
+                    json_text(more), d.file.string());
+      if (more.empty()) return;
+      if (!has_stage(Stage::build))
+        throw Error("hello was answered with stages = {}, but those of {} have no build, in whose place update stands",
+                    json_text(more), d.file.string());
+      stages[static_cast<std::size_t>(Stage::update)] = true;
+    }
+
     ProgramInputs inputs;
     ProgramProcess process;
+    std::array<bool, std::size(stage_names)> stages{};  ///< that it receives, by Stage
     double bytes_at_start = 0;
   };
 
@@ -137,7 +162,7 @@ class ProgramTechnique final : public Technique, public WorksElsewhere {
   /// One stage, where the program has it.
   void tell(Stage stage, std::initializer_list<JsonField> facts) {
     own_ms_ = 0;
-    if (!d_->has_stage[static_cast<std::size_t>(stage)]) return;
+    if (!program().has_stage(stage)) return;
     Json request = json_object({{"do", name(stage)}, {"settings", settings_json()}});
     for (const JsonField& fact : facts) request[fact.key] = fact.value;
     const Json answer = program().process.ask(request);
@@ -190,7 +215,7 @@ class ProgramTechnique final : public Technique, public WorksElsewhere {
   std::shared_ptr<const ProgramDescription> d_;
   std::vector<std::unique_ptr<Parameter>> rows_;
   mutable std::optional<Running> program_;
-  std::array<Counts, 4> stage_counts_;
+  std::array<Counts, std::size(stage_names)> stage_counts_;
   std::optional<double> own_ms_;
   std::string maker_;
 };

@@ -80,14 +80,14 @@ void note_mixture(Merge& merge) {
 /// Scenes that changed between rows. Where a machine had not fetched a scene, it has a row without a scene, and the real rows
 /// of its shard are missing.
 void note_scenes(Merge& merge) {
-  // Under different lights a scene has different hashes (scene_hash).
+  // Under different lights a scene has different hashes (scene_hash), and one more where a row's geometry moves.
   std::map<std::string, std::map<std::string, std::set<std::string>>> hashes;
   std::map<std::string, std::set<std::string>> missing;
   for (const MergedRow& row : merge.rows) {
     if (const std::string hash = context_text(row.record, "scene_hash"); hash.empty())
       missing[row.record.scene].insert(row.folder.string());
     else
-      hashes[row.record.scene][row.record.light].insert(hash);
+      hashes[row.record.scene][row.record.light + (row.record.start ? " in motion" : "")].insert(hash);
   }
   for (const auto& [scene, lights] : hashes) {
     std::size_t most = 0;

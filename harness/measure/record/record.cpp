@@ -49,9 +49,11 @@ static void for_each_field(MaybeConst<Record::SceneFacts> auto& r, const auto& u
 static void for_each_field(MaybeConst<Record> auto& r, const auto& use) {
   use("job", r.job, "suite", r.suite, "scene", r.scene, "light", r.light, "light_kind", r.light_kind, "view", r.view);
   use("technique", r.technique, "settings", r.settings, "label", r.label, "role", r.role, "parameters", r.parameters);
-  use("width", r.width, "height", r.height, "truth", r.truth, "path", r.path, "place", r.place);
+  use("width", r.width, "height", r.height, "truth", r.truth, "path", r.path);
+  use("start", r.start, "frame_rate", r.frame_rate, "place", r.place);
   use("status", r.status, "support", r.support, "reason", r.reason);
-  use("stages", r.stages, "device_stages", r.device_stages, "harness_stages", r.harness_stages);
+  use("stages", r.stages, "moving_stages", r.moving_stages);
+  use("device_stages", r.device_stages, "harness_stages", r.harness_stages);
   use("iterations", r.iterations, "stop", r.stop, "counts", r.counts, "bytes", r.bytes, "peak_bytes", r.peak_bytes);
   use("floor", r.floor, "gl", r.gl, "lights", r.lights, "answer", r.answer, "shares_build", r.shares_build);
   use("classes", r.classes, "metrics", r.metrics, "causes", r.causes, "own_causes", r.own_causes);
@@ -76,6 +78,9 @@ void to_json(Json& json, const Record& r) {
   json = Json::object();
   json["schema"] = record_schema;
   json.update(written(r));
+  // The line of a row whose geometry stands still does not have them.
+  for (const char* key : {"start", "frame_rate", "moving_stages"})
+    if (json[key].empty()) json.erase(key);
   if (std::size(r.lights) == 1)
     for (const char* key : {"classes", "metrics", "causes", "cause_errors"}) json["lights"].front().erase(key);
   json.update(r.unknown);
@@ -99,7 +104,7 @@ void from_json(const Json& json, Record& record) {
   take("schema", schema);
   if (schema < record_schema)
     throw Error(
-        "schema = {} is that of an older program, this one reads {}: run the rows again, or, of schema 2 to 5, convert "
+        "schema = {} is that of an older program, this one reads {}: run the rows again, or, of schema 2 to 6, convert "
         "the folder with scripts/convert_records",
         schema, record_schema);
   if (schema > record_schema) throw Error("schema = {} is that of a newer program, this one reads {}", schema, record_schema);
@@ -124,9 +129,9 @@ void from_json(const Json& json, Record& record) {
 
 void forget_results(Record& r) {
   const auto empty = [](auto&... fields) { ((fields = std::decay_t<decltype(fields)>()), ...); };
-  empty(r.stages, r.device_stages, r.harness_stages, r.iterations, r.stop, r.counts, r.bytes, r.peak_bytes, r.floor, r.gl,
-        r.classes, r.metrics, r.causes, r.cause_errors, r.frames, r.exposure, r.mask, r.error_picture, r.shaded_picture,
-        r.shares_build);
+  empty(r.stages, r.moving_stages, r.device_stages, r.harness_stages, r.iterations, r.stop, r.counts, r.bytes, r.peak_bytes,
+        r.floor, r.gl, r.classes, r.metrics, r.causes, r.cause_errors, r.frames, r.exposure, r.mask, r.error_picture,
+        r.shaded_picture, r.shares_build);
   for (Record::LightFacts& light : r.lights)
     empty(light.reference, light.classes, light.metrics, light.causes, light.cause_errors);
 }

@@ -12,7 +12,7 @@ namespace gnomon {
 
 /// Version of the record's fields: the one that is written and read. One more with every change; scripts/results --convert
 /// converts kept folders.
-inline constexpr int record_schema = 6;
+inline constexpr int record_schema = 7;
 
 enum class Status { ok, unsupported, failed };
 std::string_view name(Status status);
@@ -36,15 +36,21 @@ struct Record {
   Json parameters = json_object();  ///< every parameter of the technique with its value, number or text
   int width = 0, height = 0;
   Truth truth = Truth::shape;  ///< the truth that headline metrics use
-  std::string path;            ///< camera or light path that the row follows; empty: nothing moves
-  std::uint64_t place = 0;     ///< position in the expanded suite: the order of rows, also of merged shards
+  std::string path;            ///< camera path, light path or animation that the row follows; empty: nothing moves
+  /// Of a row whose geometry moves: seconds of the animation at its first frame, and frames per second.
+  std::optional<double> start, frame_rate;
+  std::uint64_t place = 0;  ///< position in the expanded suite: the order of rows, also of merged shards
 
   Status status = Status::failed;
   std::optional<Support::Kind> support;  ///< nothing when the technique gave no answer
   std::string reason;                    ///< why approximate, unsupported or failed
 
   std::array<ProcessTimes, std::size(stage_names)> stages;  ///< by Stage; setup has one repetition per process
-  /// The same by the device's own clock, with OpenGL where it has one; as many processes, repetitions and iterations.
+  /// Of a row whose geometry moves: relight and resolve in the frames after `update`, which may keep what did not move. Times
+  /// of `stages` are those of the first frame, `update` of all.
+  std::array<ProcessTimes, std::size(stage_names)> moving_stages;
+  /// The same as `stages` by the device's own clock, with OpenGL where it has one; as many processes, repetitions and
+  /// iterations.
   std::array<ProcessTimes, std::size(stage_names)> device_stages;
   /// The same by the harness's clock, of a technique whose own clock counts, because it runs in a program of its own.
   std::array<ProcessTimes, std::size(stage_names)> harness_stages;
@@ -139,6 +145,8 @@ struct Record {
 
   const ProcessTimes& times(Stage stage) const { return stages[static_cast<std::size_t>(stage)]; }
   ProcessTimes& times(Stage stage) { return stages[static_cast<std::size_t>(stage)]; }
+  const ProcessTimes& moving_times(Stage stage) const { return moving_stages[static_cast<std::size_t>(stage)]; }
+  ProcessTimes& moving_times(Stage stage) { return moving_stages[static_cast<std::size_t>(stage)]; }
   const ProcessTimes& device_times(Stage stage) const { return device_stages[static_cast<std::size_t>(stage)]; }
   ProcessTimes& device_times(Stage stage) { return device_stages[static_cast<std::size_t>(stage)]; }
   const ProcessTimes& harness_times(Stage stage) const { return harness_stages[static_cast<std::size_t>(stage)]; }

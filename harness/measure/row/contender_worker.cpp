@@ -2,6 +2,8 @@
 
 #include <gnomon/kit/area/path_light.h>
 
+#include <cassert>
+
 #include "measure/scene/channels.h"
 #include "measure/scene/motion.h"
 
@@ -30,6 +32,8 @@ Record::ReferenceFacts::GlobalFacts facts_of(const GlobalReference& reference, i
 
 }  // namespace
 
+void SceneRun::go_to(const RowFrame& frame) { posed.go_to(frame.path ? pose_at(*frame.path, frame.number) : std::nullopt); }
+
 std::vector<Light> SceneRun::lights(const RowFrame& frame) const {
   std::vector<Light> lights;
   for (const std::size_t index : frame.lights)
@@ -37,17 +41,20 @@ std::vector<Light> SceneRun::lights(const RowFrame& frame) const {
   return lights;
 }
 
-FrameKey SceneRun::key(const RowFrame& frame, Truth truth) const {
+FrameKey SceneRun::key(const RowFrame& frame, Truth truth) {
+  assert(posed.now() == (frame.path ? pose_at(*frame.path, frame.number) : std::nullopt));
   const View& still = scene.views[frame.view];
-  return {frame.path ? view_at(*frame.path, still, frame.number) : still, frame.width, frame.height,
-          scene.has_curved_shapes() ? truth : Truth::shape};
+  FrameKey of{frame.path ? view_at(*frame.path, still, frame.number) : still, frame.width, frame.height,
+              scene.has_curved_shapes() ? truth : Truth::shape};
+  if (posed.now()) of.pose = WantedPose{*posed.now(), posed.hash()};
+  return of;
 }
 
 FrameRequest SceneRun::request(const RowFrame& frame, Truth truth) {
   const FrameKey of = key(frame, truth);
   SceneLightAndView seen{.lights = frame.lights, .view = frame.view, .path_frame = frame.number};
   if (frame.path) seen.path = frame.path->name;
-  return {frames.gbuffer_file(of), of.width, of.height, of.truth, std::move(seen)};
+  return {frames.gbuffer_file(of), of.width, of.height, of.truth, std::move(seen), of.pose};
 }
 
 ContenderWorker::ContenderWorker(SceneRun& run, std::string technique, std::string settings, const WorkerOptions& options)
@@ -63,6 +70,7 @@ void ContenderWorker::begin_load() {
 Support ContenderWorker::go(const RowFrame& frame, Truth truth) {
   frame_ = frame;
   truth_ = truth;
+  run_.go_to(frame);
   reply_ = client_.frame(run_.request(frame, truth));
   if (!reply_.support) return reply_.support;
   const View view = run_.key(frame, truth).view;

@@ -26,18 +26,25 @@ struct SceneRun {
     TraceWatch watch = {};
     std::string program_that_traces = {};  ///< empty: this one
   };
-  Scene scene;
+  Scene scene;  ///< in the pose of the frame that `go_to` was called with last
   Options options;
+  PosedScene posed;
   FrameStore frames;
 
   SceneRun(Scene the_scene, Options the_options)
       : scene(std::move(the_scene)),
         options(std::move(the_options)),
+        posed(scene),
         frames(scene, options.cache,
                std::make_unique<WorkerFrameMaker>(options.scratch / "frames", options.program_that_traces, options.watch)) {}
 
+  /// Moves the scene's meshes to where they are at the frame. Whatever reads the scene for a frame comes after it.
+  void go_to(const RowFrame& frame);
+  /// Moves them back to where they were when the run began.
+  void go_to_rest() { posed.go_to(std::nullopt); }
   std::vector<Light> lights(const RowFrame& frame) const;
-  FrameKey key(const RowFrame& frame, Truth truth) const;
+  // Both are for the frame that the scene is at.
+  FrameKey key(const RowFrame& frame, Truth truth);
   FrameRequest request(const RowFrame& frame, Truth truth);
 };
 

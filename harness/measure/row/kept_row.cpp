@@ -28,13 +28,31 @@ int subpixel_bits_of(const Record& record) {
 
 }  // namespace
 
-KeptPlace kept_place(const Record& record, const Scene& scene, Truth truth) {
+int frame_count(const Record& record) {
+  std::size_t most = 1;
+  for (const auto& [metric, values] : record.frames) most = std::max(most, values.size());
+  return static_cast<int>(most);
+}
+
+KeptPlace kept_place(const Record& record, const Scene& scene, Truth truth, PosedScene* posed) {
+  const bool moves_geometry = record.start && record.frame_rate;
+  if (moves_geometry && !posed) throw Error("the scene of row {} is at rest, and its geometry moves", record.job);
+  // A slide is made for the scene at rest.
+  if (posed && !moves_geometry) posed->go_to(std::nullopt);
   KeptPlace place{.key = {named(scene.views, record.view, "view"), record.width, record.height,
                           scene.has_curved_shapes() ? truth : Truth::shape},
                   .lights = {}};
   for (const std::string& light : light_names(record)) place.lights.push_back(named(scene.lights, light, "light"));
   if (record.path.empty()) return place;
-  const Path path = find_path(scene, record.path, place.lights.front(), place.key.view);
+  Path path = find_path(scene, record.path, place.lights.front(), place.key.view);
+  if (moves_geometry) {
+    path.start = *record.start;
+    path.frame_rate = *record.frame_rate;
+    path.frame_count = frame_count(record);
+    posed->go_to(pose_at(path, path.frame_count - 1));
+    place.key.pose = WantedPose{*posed->now(), posed->hash()};
+    place.key.truth = scene.has_curved_shapes() ? truth : Truth::shape;
+  }
   for (Light& light : place.lights) light = light_at(path, light, path.frame_count - 1);
   place.key.view = view_at(path, place.key.view, path.frame_count - 1);
   return place;

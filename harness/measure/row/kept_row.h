@@ -3,13 +3,17 @@
 
 namespace gnomon {
 
+/// Frames of a row on a path; 1 of a still, and where the record has no curves of its metrics.
+int frame_count(const Record& record);
+
 /// The frame of a kept row's masks in today's scene: on a path the last one.
 struct KeptPlace {
   FrameKey key;
   std::vector<Light> lights;
 };
-/// Throws Error when the scene lacks a light, the view or the path.
-KeptPlace kept_place(const Record& record, const Scene& scene, Truth truth);
+/// `posed` moves the scene to where it is in that frame, and back to rest for a row whose geometry stands still; null where
+/// there are no others. Throws Error when the scene lacks a light, the view, the path or the animation.
+KeptPlace kept_place(const Record& record, const Scene& scene, Truth truth, PosedScene* posed = nullptr);
 
 /// Which of the reference's two numbers the light's mask is compared with.
 LightShareKind estimates_of(const Record::LightFacts& light);

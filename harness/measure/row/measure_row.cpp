@@ -6,6 +6,7 @@
 
 #include "measure/cause/own_causes.h"
 #include "measure/row/score_row.h"
+#include "measure/score/over_time.h"
 
 namespace gnomon {
 
@@ -26,19 +27,27 @@ bool is_right(const Evidence& evidence, std::size_t i) {
   return std::abs(evidence.mask[i] - evidence.reference[i]) <= 4 * evidence.reference_error[i];
 }
 
+/// Nothing where the camera moves: no pixel then shows one surface point for two frames.
+std::optional<TimeScore> time_score(const std::optional<Path>& path) {
+  if (!path || path->moves == Path::Moves::camera) return std::nullopt;
+  return TimeScore(path->frame_count, path->frame_rate);
+}
+
 /// Measures a row frame by frame.
 class RowMeasurement {
  public:
-  RowMeasurement(Record& record, SceneRun& run, ContenderWorker& worker, int frames)
+  RowMeasurement(Record& record, SceneRun& run, ContenderWorker& worker, const RowFrame& first)
       : record_(record),
         run_(run),
         worker_(worker),
         about_(registry().technique(record.technique).about),
         truth_(record.truth),
         other_truth_(truth_ == Truth::shape ? Truth::mesh : Truth::shape),
-        score_(frames),
-        light_scores_(std::size(record.lights), PathScore(frames)),
-        other_score_(frames) {
+        follows_path_(first.path.has_value()),
+        score_(first.count()),
+        light_scores_(std::size(record.lights), PathScore(first.count())),
+        other_score_(first.count()),
+        time_score_(time_score(first.path)) {
     record.frames.clear();
   }
 
@@ -60,8 +69,10 @@ class RowMeasurement {
   MeasuredRow finish() {
     std::vector<Score> lights;
     for (const PathScore& light : light_scores_) lights.push_back(light.score());
-    put_score(record_, lights, score_.score());
-    record_.metrics[other_truth_] = run_.scene.has_curved_shapes() ? other_score_.score().metrics : record_.metrics[truth_];
+    Score whole = score_.score(), other = other_score_.score();
+    if (follows_path_) put_over_time(whole, lights, other);
+    put_score(record_, lights, whole);
+    record_.metrics[other_truth_] = run_.scene.has_curved_shapes() ? other.metrics : record_.metrics[truth_];
     if (std::size(record_.lights) == 1) {  // the worst of all frames
       record_.lights.front().support = record_.support;
       record_.lights.front().reason = record_.reason;
@@ -71,6 +82,15 @@ class RowMeasurement {
   }
 
  private:
+  /// Metrics over all frames, of the row as a whole against its headline truth; like instability none of one of several lights.
+  void put_over_time(Score& whole, std::vector<Score>& lights, Score& other) const {
+    const Metrics over_time = time_score_ ? time_score_->metrics() : no_metrics_over_time(), none = no_metrics_over_time();
+    const auto put = [](Score& score, const Metrics& metrics) { score.metrics.insert(metrics.begin(), metrics.end()); };
+    put(whole, over_time);
+    for (Score& light : lights) put(light, std::size(lights) == 1 ? over_time : none);
+    put(other, none);
+  }
+
   /// Metrics against the other truth, its masks, and which of their pixels are right, for causes.
   void add_other_truth() {
     MeasuredRow other = now_;
@@ -96,6 +116,7 @@ class RowMeasurement {
     const RowScore score = gnomon::score(now_, run_.scene, frame.number > 0 ? &before_ : nullptr);
     record_.exposure = score.exposure;
     score_.add(score.whole);
+    if (time_score_) time_score_->add(now_.evidence(run_.scene));
     auto sum = light_scores_.begin();
     for (const Score& light : score.lights) (sum++)->add(light);
     if (frame.path)
@@ -128,9 +149,11 @@ class RowMeasurement {
   ContenderWorker& worker_;
   const About& about_;
   const Truth truth_, other_truth_;
+  const bool follows_path_;
   PathScore score_;
   std::vector<PathScore> light_scores_;
   PathScore other_score_;
+  std::optional<TimeScore> time_score_;
   MeasuredRow now_, before_;
 };
 
@@ -140,7 +163,10 @@ std::optional<MeasuredRow> measure(Record& record, SceneRun& run, ContenderWorke
   worker.note_gl(record);
   if (first.global_samples > 0)
     if (const auto why = untraceable_light(run.scene)) record.notes.push_back(fmt::format("no radiosity_error: {}", *why));
-  RowMeasurement measurement(record, run, worker, first.count());
+  if (first.path && first.path->moves != Path::Moves::camera)
+    if (const std::string why = flicker_obstacle(first.path->frame_rate); !why.empty())
+      record.notes.push_back(fmt::format("no flicker: {}", why));
+  RowMeasurement measurement(record, run, worker, first);
   for (RowFrame frame = first; frame.number < first.count(); ++frame.number)
     if (!measurement.add(frame)) return std::nullopt;
   if (first.path) worker.go(first, record.truth);

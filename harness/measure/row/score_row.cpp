@@ -112,11 +112,11 @@ void PathScore::add(const Score& score) {
 }
 
 Score PathScore::score() const {
-  constexpr std::string_view between_frames = "instability";  // has no value at the first frame
   Score mean = sum_;
   for (const auto& [metric, total] : metrics_) {
     const auto& [value, count] = total;
-    const int due = metric == between_frames && frames_ > 1 ? frames_ - 1 : frames_;
+    // One between two frames has no value at the first.
+    const int due = metric_is_of(metric) == MetricInfo::Of::two_frames && frames_ > 1 ? frames_ - 1 : frames_;
     mean.metrics[metric] = count == due ? std::optional(value / count) : std::nullopt;
   }
   return mean;

@@ -33,7 +33,7 @@ void put_score(Record& record, std::span<const Score> lights, const Score& whole
 void put_score(Record& record, const RowScore& score);
 
 /// The score of a path of so many frames: metrics are means, classes and causes sums. A mean is there where every frame has the
-/// metric (instability: every frame but the first), for one over some frames would be another quantity in every row.
+/// metric (one between two frames: every frame but the first), for one over some frames would be another quantity in every row.
 class PathScore {
  public:
   explicit PathScore(int frames) : share_(1 / static_cast<double>(frames)) {}

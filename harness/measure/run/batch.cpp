@@ -4,6 +4,7 @@
 
 #include "measure/notice.h"
 #include "measure/row/measure_row.h"
+#include "measure/run/motion_walk.h"
 #include "measure/run/timing.h"
 
 namespace gnomon {
@@ -56,8 +57,8 @@ class Batch {
     std::vector<std::string> frames;  // in order of first appearance
     std::map<std::string, std::vector<PendingRow*>> groups;
     for (PendingRow& row : rows_) {
-      std::vector<PendingRow*>& group = groups[frame_of(row)];
-      if (group.empty()) frames.push_back(frame_of(row));
+      std::vector<PendingRow*>& group = groups[timed_together(row.job)];
+      if (group.empty()) frames.push_back(timed_together(row.job));
       group.push_back(&row);
     }
     for (const std::string& frame : frames) {
@@ -78,11 +79,6 @@ class Batch {
 
   /// Whether the row takes part in the process that runs now.
   static bool is_due(const PendingRow& row) { return row.is_wanted && !row.over; }
-
-  /// Light, view, size and path. Rows that have them in common are timed together.
-  static std::string frame_of(const PendingRow& row) {
-    return fmt::format("{} {} {}x{} {}", row.job.light, row.job.view, row.job.width, row.job.height, row.job.path);
-  }
 
   /// Removes the numbers of a row that is not ok, which would be taken for results, and its pictures.
   void give_up(PendingRow& row, Status status) {
@@ -112,6 +108,11 @@ class Batch {
     }
     row.record.seconds = row.record.seconds.value_or(0) + seconds_since(start);
     return is_done;
+  }
+
+  ContenderWorker& worker_of(const PendingRow& row) const {
+    if (!workers_[row.contender]) throw Error("its worker has ended in another row");
+    return *workers_[row.contender];
   }
 
   /// Starts a worker for every contender, all at once: loading is untimed and may share the cores.
@@ -149,6 +150,7 @@ class Batch {
       attempt(*row, [&] { prepare(*row); });
     }
     for (const Stage stage : timed_stages) time_stage(group, stage);
+    time_motion(group);
     if (process_ == 0) count_times(group);
     time_floors(group);
     for (PendingRow* row : group)
@@ -192,6 +194,7 @@ class Batch {
       failed->end_load();
     }
     ContenderWorker& worker = *workers_[row.contender];
+    if (!row.job.times) run_.go_to_rest();
     const RowFrame frame = first_frame(row.job, run_.scene);
     const Support support = worker.go(frame, suite_.truth);
     if (process_ == 0 || !support) {
@@ -208,12 +211,20 @@ class Batch {
     const auto measured = measure(row.record, run_, worker, frame);
     if (!measured) return give_up(row, Status::unsupported);
     if (suite_.pictures != Suite::Pictures::none) write_mask(row.record, *measured, sides_[row.side].out);
-    if (suite_.pictures == Suite::Pictures::all) write_pictures(row.record, run_.scene, *measured, sides_[row.side].out);
+    if (suite_.pictures != Suite::Pictures::all) return;
+    // What was measured last, and is shown, is the last frame.
+    RowFrame last = frame;
+    last.number = frame.count() - 1;
+    run_.go_to(last);
+    write_pictures(row.record, run_.scene, *measured, sides_[row.side].out);
+    run_.go_to(frame);
   }
 
-  /// Equal for rows whose builds are the same work.
-  std::pair<std::size_t, std::size_t> build_of(const PendingRow& row) const {
-    return {row.contender, workers_[row.contender]->object_count()};
+  /// Contender, objects, and the animation with its frames, over which meshes have their reach: equal for rows whose builds are
+  /// the same work.
+  using Build = std::tuple<std::size_t, std::size_t, std::string>;
+  Build build_of(const PendingRow& row) const {
+    return {row.contender, workers_[row.contender]->object_count(), row.job.times ? row.job.path + " " + row.job.motion() : ""};
   }
 
   /// Warms one stage of every row up, then times all of them interleaved.
@@ -246,11 +257,41 @@ class Batch {
     }
   }
 
-  /// Adds the times of a process.
-  static void add_samples(Record& record, Stage stage, const TimingTask& task) {
-    record.times(stage).push_back(task.samples);
-    if (!task.others.device.empty()) record.device_times(stage).push_back(task.others.device);
-    if (!task.others.harness.empty()) record.harness_times(stage).push_back(task.others.harness);
+  /// Times the frames of rows whose geometry moves, interleaved; afterwards they are at their first frame again.
+  void time_motion(const std::vector<PendingRow*>& group) {
+    const auto is_over = [](const PendingRow* row) { return row->over; };
+    if (std::ranges::all_of(group, is_over) || !group.front()->job.times) return;
+    const RowFrame first = first_frame(group.front()->job, run_.scene);
+    MotionFrames frames(run_, first, suite_.truth);
+    std::map<std::size_t, FrameOrder> orders;  // by contender, whose worker is at one frame for all its rows
+    std::deque<MotionWalk> walks;
+    std::vector<TimingTask> tasks;
+    std::vector<PendingRow*> owners;
+    for (PendingRow* row : group) {
+      if (row->over) continue;
+      FrameOrder& order = orders.try_emplace(row->contender, frames.count()).first->second;
+      walks.emplace_back(order, [&frames, row, this](int number) {
+        return timed_motion(worker_of(*row).client(), frames.request(number), number);
+      });
+      if (attempt(*row, [&] { tasks.push_back(warm_up(*row, walks.back())); }))
+        owners.push_back(row);
+      else
+        walks.pop_back();
+    }
+    time_interleaved(tasks);
+    for (std::size_t k = 0; k < tasks.size(); ++k) {
+      PendingRow& row = *owners[k];
+      *row.record.seconds += walks[k].seconds;
+      if (!tasks[k].failure.empty()) {
+        fail(row, tasks[k].failure);
+        continue;
+      }
+      tasks[k].others = std::move(walks[k].update);
+      add_samples(row.record, Stage::update, tasks[k]);
+      row.record.moving_times(Stage::relight).push_back(std::move(walks[k].relight));
+      row.record.moving_times(Stage::resolve).push_back(std::move(walks[k].resolve));
+      attempt(row, [&] { worker_of(row).go(first, suite_.truth); });
+    }
   }
 
   /// Warm-ups, fewer when they take long; their time decides how often to repeat. `others` will get the other clocks' times.
@@ -274,6 +315,14 @@ class Batch {
     return task;
   }
 
+  /// The same of a walk over frames, which are the iterations.
+  TimingTask warm_up(PendingRow& row, MotionWalk& walk) {
+    const double least = walk.warm_up(suite_.warmups);
+    std::uint64_t& iterations = row.record.iterations["update"];
+    if (iterations == 0) iterations = static_cast<std::uint64_t>(motion_iterations(least));
+    return walk.task(least > 500 ? 1 : suite_.repetitions, static_cast<int>(iterations));
+  }
+
   SceneRun& run_;
   const Suite& suite_;
   std::span<const Side> sides_;
@@ -282,8 +331,8 @@ class Batch {
   std::vector<const PendingRow*> contenders_;              ///< the first row of each contender on each side
   std::vector<std::unique_ptr<ContenderWorker>> workers_;  ///< by contender; null when it failed or none is wanted
   int process_ = 0;
-  /// By contender and objects: build as timed in this process at its first light, which it does not depend on.
-  std::map<std::pair<std::size_t, std::size_t>, TimingTask> builds_;
+  /// Build as timed in this process at the contender's first light, which it does not depend on.
+  std::map<Build, TimingTask> builds_;
 };
 
 }  // namespace
@@ -293,20 +342,6 @@ double run_batch(SceneRun& run, const Suite& suite, std::span<const Side> sides,
   Batch batch(run, suite, sides, rows, progress);
   batch.execute();
   return suite.interval > 0 ? batch.refine(budget) : 0;
-}
-
-double share_overhead(std::vector<PendingRow>& batch, double seconds) {
-  double processes = 0;
-  const auto count = [](const PendingRow& row) {
-    return std::max<double>(1, static_cast<double>(row.record.times(Stage::resolve).size()));
-  };
-  for (const PendingRow& row : batch) {
-    seconds -= row.record.seconds.value_or(0);
-    processes += count(row);
-  }
-  const double share = std::max(0.0, seconds) / processes;
-  for (PendingRow& row : batch) row.record.seconds = row.record.seconds.value_or(0) + share * count(row);
-  return share;
 }
 
 }  // namespace gnomon

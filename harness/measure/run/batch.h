@@ -22,8 +22,12 @@ struct PendingRow {
 /// From fewer processes no interval of the bootstrap covers 95 %, or nearly (statistics.h).
 inline constexpr std::size_t least_processes = 5;
 
-/// Whether relight and resolve are measured well enough: the 95 % interval of each is at most the share `interval` of its time
-/// wide and comes from `least_processes` at least. Times below statistics.h's least_time always are.
+/// Light, view, size, and what moves, as a text. Rows that have them in common are timed together.
+std::string timed_together(const Job& job);
+
+/// Whether relight, resolve and, where geometry moves, update are measured well enough: the 95 % interval of each is at most
+/// the share `interval` of its time wide and comes from `least_processes` at least. Times below statistics.h's least_time
+/// always are.
 bool is_narrow(const Record& record, double interval);
 
 /// No row gets more processes than this, however wide its intervals are.

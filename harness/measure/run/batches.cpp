@@ -3,8 +3,12 @@
 
 namespace gnomon {
 
+std::string timed_together(const Job& job) {
+  return fmt::format("{} {} {}x{} {} {}", job.light, job.view, job.width, job.height, job.path, job.motion());
+}
+
 bool is_narrow(const Record& record, double interval) {
-  for (const Stage stage : frame_stages) {
+  for (const Stage stage : motion_stages) {  // update has no times where the geometry stands still
     const ProcessTimes& times = record.times(stage);
     const auto time = median_of_medians(times);
     if (!time || *time < least_time) continue;
@@ -16,6 +20,20 @@ bool is_narrow(const Record& record, double interval) {
 }
 
 int most_processes(const Suite& suite) { return std::max(4 * suite.processes, 8); }
+
+double share_overhead(std::vector<PendingRow>& batch, double seconds) {
+  double processes = 0;
+  const auto count = [](const PendingRow& row) {
+    return std::max<double>(1, static_cast<double>(row.record.times(Stage::resolve).size()));
+  };
+  for (const PendingRow& row : batch) {
+    seconds -= row.record.seconds.value_or(0);
+    processes += count(row);
+  }
+  const double share = std::max(0.0, seconds) / processes;
+  for (PendingRow& row : batch) row.record.seconds = row.record.seconds.value_or(0) + share * count(row);
+  return share;
+}
 
 std::vector<std::vector<PendingRow>> split(std::vector<PendingRow> rows) {
   std::size_t sides = 1;

@@ -6,9 +6,12 @@
 
 #include <cerrno>
 #include <cstring>
+#include <numeric>
 
 #include "measure/part_file.h"
 #include "measure/paths.h"
+#include "measure/row/kept_row.h"
+#include "measure/run/motion_walk.h"
 #include "measure/run/timing.h"
 
 namespace gnomon {
@@ -19,16 +22,16 @@ namespace {
 
 /// Seconds that one process spends on warm-ups and repetitions of a stage of `ms`, as a batch times it: fewer warm-ups when
 /// they take long, one repetition when it does, and several calls for a sample of a short one.
-double stage_seconds(double ms, const Effort& effort) {
+double stage_seconds(double ms, int iterations, const Effort& effort) {
   double spent = 0;
   for (int k = 0; k < effort.warmups && spent < 300; ++k) spent += ms;
   const int repetitions = ms > 500 ? 1 : effort.repetitions;
-  return (spent + ms * repetitions * iterations_for(ms)) / 1000;
+  return (spent + ms * repetitions * iterations) / 1000;
 }
 
-double timed_seconds(const std::array<double, 3>& stages, const Effort& effort) {
-  double sum = 0;
-  for (const double ms : stages) sum += stage_seconds(ms, effort);
+double timed_seconds(const RowCost& cost, const Effort& effort) {
+  double sum = cost.motion > 0 ? stage_seconds(cost.motion, motion_iterations(cost.motion), effort) : 0;
+  for (const double ms : cost.stages) sum += stage_seconds(ms, iterations_for(ms), effort);
   return sum;
 }
 
@@ -36,15 +39,23 @@ void for_each_field(MaybeConst<RowCost> auto& r, const auto& use) {
   use("job", r.job, "scene", r.scene, "technique", r.technique, "settings", r.settings, "path", r.path);
   use("width", r.width, "height", r.height, "machine", r.machine);
   use("once", r.once, "process", r.process, "stages", r.stages, "measured", r.is_measured);
+  use("frames", r.frames, "motion", r.motion);
 }
 
 double pixels(int width, int height) { return static_cast<double>(width) * height; }
 
-/// The cost of a row as it would be in another picture size: what is done for each pixel scales, the rest stays.
-RowCost scaled_to(RowCost cost, int width, int height) {
-  const double ratio = pixels(width, height) / std::max(1.0, pixels(cost.width, cost.height));
+/// The cost of a row as it would be for the job, in another picture size and with more or fewer frames: what is done for each
+/// pixel and frame scales, the rest stays. Where the job's geometry moves and the row's does not, its frames are taken to cost
+/// what another scene costs, by the default of update.
+RowCost scaled_to(RowCost cost, const Job& job) {
+  const double ratio = pixels(job.width, job.height) / std::max(1.0, pixels(cost.width, cost.height));
   cost.once *= ratio;
+  if (cost.is_measured && cost.frames > 0) cost.once *= static_cast<double>(job.frame_count) / cost.frames;
   cost.stages[2] *= ratio;
+  if (!job.times)
+    cost.motion = 0;
+  else if (cost.motion <= 0)
+    cost.motion = std::accumulate(cost.stages.begin(), cost.stages.end(), 0.0);
   return cost;
 }
 
@@ -57,7 +68,12 @@ std::vector<RowCost> costs_in(std::istream& lines) {
   for (std::string line; std::getline(lines, line);) try {
       const Json fields = parse_json(line);
       RowCost cost;
-      for_each_field(cost, UseFields{[&](const char* key, auto& value) { fields.at(key).get_to(value); }});
+      // Lines of earlier versions have neither: of stills they are known all the same.
+      const auto may_lack = [](std::string_view key) { return key == "frames" || key == "motion"; };
+      for_each_field(cost, UseFields{[&](const char* key, auto& value) {
+                       if (fields.contains(key) || !may_lack(key)) fields.at(key).get_to(value);
+                     }});
+      if (!fields.contains("frames") && !cost.path.empty()) cost.frames = 0;
       costs.push_back(std::move(cost));
     } catch (const Json::exception&) {  // of another version, or damaged: it is learned again
     }
@@ -116,7 +132,7 @@ class WriterLock {
 
 double RowCost::seconds(const Effort& effort) const {
   // An unsupported row is over after its first answer.
-  return is_measured ? once + effort.processes * (process + timed_seconds(stages, effort)) : once;
+  return is_measured ? once + effort.processes * (process + timed_seconds(*this, effort)) : once;
 }
 
 std::string machine_name(const Json& context) {
@@ -132,11 +148,14 @@ RowCost cost_of(const Record& record, int warmups, double opening) {
                .path = record.path,
                .width = record.width,
                .height = record.height,
+               .frames = frame_count(record),
                .machine = machine_name(record.context),
                .is_measured = record.status == Status::ok,
                .once = record.seconds.value_or(0),
                .stages = {}};
   if (!cost.is_measured) return cost;
+  cost.motion = median_of_medians(record.times(Stage::update)).value_or(0);
+  for (const Stage stage : frame_stages) cost.motion += median_of_medians(record.moving_times(stage)).value_or(0);
   Effort effort{.processes = static_cast<int>(record.times(Stage::resolve).size()), .warmups = warmups, .repetitions = 0};
   for (std::size_t k = 0; k < std::size(timed_stages); ++k) {
     const ProcessTimes& times = record.times(timed_stages[k]);
@@ -146,9 +165,9 @@ RowCost cost_of(const Record& record, int warmups, double opening) {
   }
   // Build is timed once per process and is in the records of all lights: what cannot have been spent is taken off it.
   const double total = cost.once, processes = std::max(1, effort.processes);
-  if (processes * timed_seconds(cost.stages, effort) > total) cost.stages[0] = 0;
+  if (processes * timed_seconds(cost, effort) > total) cost.stages[0] = 0;
   const double setup = median_of_medians(record.times(Stage::setup)).value_or(0) / 1000;
-  const double rest = std::max(0.0, total - processes * timed_seconds(cost.stages, effort));
+  const double rest = std::max(0.0, total - processes * timed_seconds(cost, effort));
   cost.process = std::min(opening + setup, rest / processes);
   cost.once = rest - processes * cost.process;
   return cost;
@@ -176,7 +195,7 @@ History own_history() { return History(cache_root() / "history.jsonl"); }
 
 std::vector<RowCost> shipped_costs() {
   std::vector<fs::path> files;
-  std::string stamp = "costs 1";  // one more when cost_of computes something else from a record
+  std::string stamp = "costs 2";  // one more when cost_of computes something else from a record
   std::error_code none;
   for (const fs::directory_entry& entry : fs::directory_iterator(data_root() / "results", none)) {
     const fs::path file = records_file(entry.path());
@@ -237,7 +256,7 @@ TimeEstimate Estimator::operator()(std::span<const Job> jobs, const Effort& effo
       if (rank > nearest || (rank > 1 && !cost.is_measured)) continue;
       if (rank < nearest) found.clear();
       nearest = rank;
-      found.push_back(scaled_to(cost, job.width, job.height).seconds(effort));
+      found.push_back(scaled_to(cost, job).seconds(effort));
     }
     if (!found.empty()) result.seconds += median(found);
     ++(found.empty() ? result.unknown : nearest == 0 ? result.here : nearest == 1 ? result.elsewhere : result.similar);

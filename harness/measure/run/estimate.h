@@ -12,11 +12,13 @@ struct Effort {
 struct RowCost {
   std::string job, scene, technique, settings, path;
   int width = 0, height = 0;
+  int frames = 1;                ///< each has its references, masks and causes; 0: unknown
   std::string machine;           ///< machine_name() of where it ran
   bool is_measured = false;      ///< status ok: other rows may be guessed from it
   double once = 0;               ///< seconds of the row: first answer, its score, its pictures
   double process = 0;            ///< seconds of each process: its share of opening and setup
   std::array<double, 3> stages;  ///< milliseconds of build, relight, resolve
+  double motion = 0;             ///< milliseconds of a frame in which the geometry moved; 0: it stands still
 
   double seconds(const Effort& effort) const;
 };
@@ -58,8 +60,8 @@ struct TimeEstimate {
 };
 
 /// What these jobs will take on `machine`, by the nearest earlier row: the same job; else the same technique on the same scene,
-/// scaled by pixels; else the median of the technique; else of everything. At each of these, rows of this machine count
-/// before those of others, whose times are scaled by the median ratio over the jobs that both have run (from five on).
+/// scaled by pixels and frames; else the median of the technique; else of everything. At each of these, rows of this machine
+/// count before those of others, whose times are scaled by the median ratio over the jobs that both have run (from five on).
 class Estimator {
  public:
   Estimator(std::vector<RowCost> costs, std::string machine);

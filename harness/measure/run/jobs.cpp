@@ -5,9 +5,9 @@
 #include "measure/program/plugin_facts.h"
 #include "measure/record/title.h"
 #include "measure/run/light_selection.h"
+#include "measure/run/row_paths.h"
 #include "measure/scene/channels.h"
 #include "measure/scene/load.h"
-#include "measure/scene/motion.h"
 #include "measure/scene/names.h"
 #include "measure/worker/build.h"
 #include "measure/worker/outside.h"
@@ -15,6 +15,12 @@
 namespace gnomon {
 
 std::string Job::title() const { return title_of_place(scene, light, view, path) + contender.name(); }
+
+std::string Job::motion() const {
+  if (!times) return {};
+  const auto told = [](const auto& number) { return number ? fmt::format("{}", *number) : "-"; };
+  return fmt::format("frames {} rate {} start {}", told(times->frames), told(times->frame_rate), told(times->start));
+}
 
 namespace {
 
@@ -76,27 +82,6 @@ std::vector<std::string> views_of(const std::vector<std::string>& words, const s
   return views;
 }
 
-/// Every frame of the path, for each of these lights and views, must be one that can be drawn: nothing runs before that.
-void check_path(const Scene& scene, const std::string& reference, const std::string& name, const std::vector<RowLights>& rows,
-                const std::vector<std::string>& views) {
-  const Light& some_light = *find_named(scene.lights, rows.front().lights.front());
-  const View& some_view = *find_named(scene.views, views.front());
-  // A path moves one of both and does not look at the other.
-  if (find_path(scene, name, some_light, some_view).moves == Path::Moves::camera)
-    for (const std::string& view_name : views) {
-      const View& view = *find_named(scene.views, view_name);
-      check_frames(find_path(scene, name, some_light, view), some_light, view, reference);
-    }
-  else
-    for (const RowLights& row : rows) {
-      if (const std::size_t count = whole_count(row.lights); count > 1)
-        throw Error("path {} of scene {} moves the light, and {} is {} lights: a row on such a path has one", name, reference,
-                    row.name, count);
-      const Light& light = *find_named(scene.lights, row.lights.front());
-      check_frames(find_path(scene, name, light, some_view), light, some_view, reference);
-    }
-}
-
 /// Why a technique supports nothing of a group; nothing where it supports something. A scene that is not fetched says nothing:
 /// rows on the other scenes are those of a machine that has it.
 std::optional<std::string> objection(const SuiteGroup& group, const std::string& technique, SceneLibrary& library,
@@ -143,6 +128,7 @@ std::string hash_of(const Job& job, const Suite& suite) {
   if (const AreaTarget usual; suite.target.error != usual.error || suite.target.cap != usual.cap)
     asked += fmt::format("|{}|{}", suite.target.error, suite.target.cap);
   if (job.global_samples > 0) asked += fmt::format("|global {}", job.global_samples);
+  if (job.times) asked += "|" + job.motion();
   return content_hash(asked).substr(0, 16);
 }
 
@@ -159,7 +145,9 @@ RowFrame first_frame(const Job& job, const Scene& scene) {
   RowFrame frame{.lights = {}, .view = index_of(scene.views, job.view), .width = job.width, .height = job.height, .path = {}};
   for (const std::string& light : job.lights) frame.lights.push_back(index_of(scene.lights, light));
   frame.global_samples = job.global_samples;
-  if (!job.path.empty()) frame.path = find_path(scene, job.path, scene.lights[frame.lights.front()], scene.views[frame.view]);
+  if (!job.path.empty())
+    frame.path = followed_path(scene, job.path, scene.lights[frame.lights.front()], scene.views[frame.view],
+                               job.times.value_or(FrameTimes{}));
   return frame;
 }
 
@@ -184,17 +172,16 @@ SuiteJobs expand_jobs(const Suite& suite, SceneLibrary& library, const WorkerOpt
         if (lights.empty()) lights = {{"-", {"-"}}};
         if (views.empty() || std::ranges::any_of(views, is_pattern)) views = {"-"};
       }
-      const std::vector<std::string> paths = group.paths.empty() ? std::vector<std::string>{""} : group.paths;
+      const std::vector<RowPath> paths = row_paths(group, reference, entry.scene ? &*entry.scene : nullptr, lights, views);
       const auto sizes = group.sizes.empty() ? std::vector{std::pair(suite.width, suite.height)} : group.sizes;
-      if (entry.scene)
-        for (const std::string& path : group.paths) check_path(*entry.scene, reference, path, lights, views);
       for (const auto& [light, light_names] : lights)
         for (const std::string& view : views)
-          for (const std::string& path : paths)
+          for (const RowPath& path : paths)
             for (const auto& [width, height] : sizes)
               for (const Contender& contender : contenders) {
-                Job job{"",         reference, light, view, light_names, contender, width, height, path, group.global_samples,
-                        jobs.size()};
+                Job job{"",          reference,  light,           view,      light_names,
+                        contender,   width,      height,          path.name, group.global_samples,
+                        jobs.size(), path.times, path.frame_count};
                 job.hash = hash_of(job, suite);
                 const auto [known, is_new] = places.try_emplace(job.hash, jobs.size());
                 if (is_new)
@@ -232,6 +219,10 @@ Record start_record(const Job& job, const Suite& suite, const Scene* scene, cons
   record.width = job.width;
   record.height = job.height;
   record.path = job.path;
+  if (job.times) {
+    record.start = job.times->start;
+    record.frame_rate = job.times->frame_rate;
+  }
   record.place = job.place;
   record.truth = suite.truth;
   record.context = context;
@@ -248,6 +239,8 @@ Record start_record(const Job& job, const Suite& suite, const Scene* scene, cons
       if (const Light* const light = find_named(scene->lights, name)) lights.push_back(light);
     describe_lights(record, *scene, lights);
     describe_scene(record, *scene);
+    if (job.times)
+      if (std::string note = start_note(*scene, job.path, *job.times); !note.empty()) record.notes.push_back(std::move(note));
   } else {
     for (const std::string& name : job.lights) record.lights.emplace_back().name = name;
   }

@@ -11,10 +11,13 @@ struct Job {
   std::vector<std::string> lights;  ///< names; where the scene is not fetched that of `light` alone
   Contender contender;
   int width = 0, height = 0;
-  std::string path;           ///< that it follows; empty: nothing moves
-  int global_samples = 0;     ///< see SuiteGroup
-  std::size_t place = 0;      ///< position in the expanded suite
-  std::string title() const;  ///< "SCENE LIGHT [VIEW] [PATH] TECHNIQUE:SETTINGS", as of its record
+  std::string path;                      ///< that it follows, a path or an animation; empty: nothing moves
+  int global_samples = 0;                ///< see SuiteGroup
+  std::size_t place = 0;                 ///< position in the expanded suite
+  std::optional<FrameTimes> times = {};  ///< of a row whose geometry moves; complete where the scene is there
+  int frame_count = 1;                   ///< of the path; unknown, 1, where the scene is not fetched
+  std::string title() const;             ///< "SCENE LIGHT [VIEW] [PATH] TECHNIQUE:SETTINGS", as of its record
+  std::string motion() const;            ///< "frames 9 rate 60 start 0"; empty where the geometry stands still
 };
 
 /// Scenes of a run. A scene that is not fetched is kept with its reason. A suite may name a scene at many times: where those
@@ -49,10 +52,10 @@ struct SuiteJobs {
   std::vector<std::string> left_out;
 };
 /// All jobs of a suite. Workers query what techniques of a `*` support; one that does not answer stays: its rows report why.
-/// Throws Error when a scene lacks a named light, view or path, or a path has a frame that cannot be drawn.
+/// Throws Error when a scene lacks a named light, view, path or animation, or one of these has a frame that cannot be drawn.
 SuiteJobs expand_jobs(const Suite& suite, SceneLibrary& library, const WorkerOptions& worker);
 
-/// The first frame of the job's row.
+/// The first frame of the job's row. The scene is at rest, or the job's geometry moves: slides are made for a scene at rest.
 RowFrame first_frame(const Job& job, const Scene& scene);
 /// The job's record with all facts from before the run. `scene` is null where it is not fetched.
 Record start_record(const Job& job, const Suite& suite, const Scene* scene, const Json& context);

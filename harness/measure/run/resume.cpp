@@ -104,7 +104,7 @@ Earlier earlier_rows(const RunOptions& options, SceneLibrary& library, std::span
   for (const Job& job : jobs) wanted.insert(job.hash);
   Record now;
   now.context = machine_context(options.worker.threads);
-  std::map<std::pair<std::string, std::string>, std::string> hashes;  // by scene and light
+  std::map<std::tuple<std::string, std::string, bool>, std::string> hashes;  // by scene, light, and whether geometry moves
   for (Record& record : read_records(options.out)) {
     const bool is_of_run = !is_foreign(record);
     library.read_from(record.scene, scene_reference(record, options.out));
@@ -127,8 +127,9 @@ Earlier earlier_rows(const RunOptions& options, SceneLibrary& library, std::span
       continue;
     }
     if (entry.scene) {
-      std::string& hash = hashes[{record.scene, record.light}];
-      if (hash.empty()) hash = scene_hash(*entry.scene, light_names(record));
+      const bool moves = record.start.has_value();
+      std::string& hash = hashes[{record.scene, record.light, moves}];
+      if (hash.empty()) hash = scene_hash(*entry.scene, light_names(record), moves ? WithMotion::yes : WithMotion::no);
       if (then != hash)
         throw Error("scene {} has changed since {} was run: run it into another --out", record.scene, options.out.string());
     }

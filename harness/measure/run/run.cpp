@@ -8,6 +8,7 @@
 #include "measure/run/batch.h"
 #include "measure/run/estimate.h"
 #include "measure/run/run_file.h"
+#include "measure/scene/blob.h"
 #include "measure/worker/machine_context.h"
 
 namespace gnomon {
@@ -72,12 +73,18 @@ void run_rows(std::vector<PendingRow> rows, const RowsPlan& plan, Progress& prog
                                                   .target = plan.suite.target,
                                                   .timeout = plan.suite.timeout,
                                                   .watch = shown_on(progress, scene)});
+    auto hash_of = [&, with_motion = std::map<std::vector<std::string>, std::string>()](const Job& job) mutable {
+      if (!job.times) return run->frames.scene_hash(job.lights);
+      std::string& hash = with_motion[job.lights];
+      return hash.empty() ? hash = scene_hash(*entry.scene, job.lights, WithMotion::yes) : hash;
+    };
     for (std::vector<PendingRow>& batch : split(std::move(by_scene[scene]))) {
       const std::vector<Json> contexts = plan.contexts();
+      if (run) run->go_to_rest();  // from where the last row has left it
       for (PendingRow& row : batch) {
         row.record = start_record(row.job, plan.suite, run ? &*entry.scene : nullptr, contexts[row.side]);
         if (run) {
-          row.record.context["scene_hash"] = run->frames.scene_hash(row.job.lights);
+          row.record.context["scene_hash"] = hash_of(row.job);
           row.record.context["frames"] = frame_version();
           if (const auto path = path_to_scene(plan.sides[row.side].out, plan.scenes.place_of(scene)))
             row.record.context["scene_file"] = *path;

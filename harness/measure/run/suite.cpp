@@ -84,6 +84,47 @@ std::vector<double> read_times(const Table& group, const toml::table& raw) {
   return times;
 }
 
+/// The keys `frames`, `frame_rate` and `start` of rows that follow animations.
+FrameTimes read_frame_times(const Table& group) {
+  FrameTimes times;
+  for (const char* key : {"frames", "frame_rate", "start"})
+    if (group.has(key) && !group.has("animations"))
+      throw Error("group.{} is for rows that follow an animation, and group.animations is not there ({})", key,
+                  group.where(key));
+  if (group.has("frames")) times.frames = group.integer("frames", least_frames, least_frames, most_frames);
+  if (group.has("frame_rate")) times.frame_rate = group.number("frame_rate");
+  if (times.frame_rate && !(*times.frame_rate > 0)) group.refuse("frame_rate", *times.frame_rate, "frames per second, above 0");
+  if (group.has("start")) times.start = group.number("start") + 0.0;  // minus zero is zero
+  if (times.start && !(*times.start >= 0)) group.refuse("start", *times.start, "seconds, 0 or more");
+  return times;
+}
+
+/// The key `animations`: what rows follow frame by frame.
+std::vector<std::string> read_animations(const Table& group, const toml::table& raw) {
+  std::vector<std::string> animations = words(group, raw, "animations");
+  if (group.has("animations") && animations.empty()) group.refuse("animations", "[]", "a name or an array of names");
+  for (const std::string& name : animations)
+    if (name != every_animation && !is_plain_name(name))
+      group.refuse("animations", '\'' + name + '\'', "a name of a..z, 0..9 and _, at most 100 of them, or *");
+  if (!animations.empty() && group.has("time"))
+    throw Error("group.time is of stills, and group.animations of rows that go on frame by frame: a group has one of both ({})",
+                group.where("time"));
+  return animations;
+}
+
+/// The key `animation`, which belongs to `time`; empty without it.
+std::string read_animation(const Table& group) {
+  const std::string animation = group.has("animation") ? group.text("animation") : "";
+  if (!group.has("animation")) return animation;
+  if (animation.empty()) group.refuse("animation", "''", "the name of an animation");
+  if (!group.has("time"))
+    throw Error(
+        "group.animation = {0} is of stills and needs group.time; rows that follow it frame by frame are "
+        "group.animations = [\"{0}\"] ({1})",
+        animation, group.where("animation"));
+  return animation;
+}
+
 std::vector<Contender> read_contenders(const Table& group, const toml::table& raw, const fs::path& path) {
   const toml::array* array = group.has("techniques") ? raw.get("techniques")->as_array() : nullptr;
   if (!array || array->empty())
@@ -107,6 +148,29 @@ std::vector<Contender> read_contenders(const Table& group, const toml::table& ra
     }
   }
   return contenders;
+}
+
+SuiteGroup read_group(const toml::table& raw, const fs::path& path) {
+  const Table reader(raw, path, "group",
+                     {"scenes", "animation", "time", "lights", "views", "techniques", "paths", "sizes", "global_samples",
+                      "animations", "frames", "frame_rate", "start"});
+  const auto list = [&](std::string_view key) { return words(reader, raw, key); };
+  SuiteGroup group{{}, list("lights"), list("views"), read_contenders(reader, raw, path), list("paths")};
+  group.global_samples = reader.integer("global_samples", 0, least_global_samples, most_global_samples);
+  group.animations = read_animations(reader, raw);
+  group.times = read_frame_times(reader);
+  const std::vector<std::string> scenes = list("scenes"), sizes = list("sizes");
+  const std::string animation = read_animation(reader);
+  const std::vector<double> times = read_times(reader, raw);
+  try {
+    for (const std::string& scene : scenes)
+      for (std::string& still : at_times(expand_braces(scene), animation, times)) group.scenes.push_back(std::move(still));
+    for (const std::string& size : sizes) group.sizes.push_back(parse_size(size, "group.sizes"));
+  } catch (const Error& error) {
+    throw Error("{} ({})", error.what(), reader.where());
+  }
+  if (group.scenes.empty()) throw Error("group.scenes is empty ({})", reader.where());
+  return group;
 }
 
 /// Labels those rows of a sweep whose `name()` leaves out a swept parameter, because its value is the default:
@@ -249,26 +313,7 @@ Suite read_suite(const std::string& name_or_path) {
   if (!(suite.target.error >= 1e-5 && suite.target.error <= 0.1))
     top.refuse("reference_error", suite.target.error, "a standard error of 0.00001 .. 0.1");
   suite.target.cap = static_cast<std::uint32_t>(top.integer("reference_rays", static_cast<int>(suite.target.cap), 64, 1 << 24));
-  for (const toml::table* raw : top.tables("group")) {
-    const Table reader(*raw, path, "group",
-                       {"scenes", "animation", "time", "lights", "views", "techniques", "paths", "sizes", "global_samples"});
-    const auto list = [&](std::string_view key) { return words(reader, *raw, key); };
-    SuiteGroup group{{}, list("lights"), list("views"), read_contenders(reader, *raw, path), list("paths")};
-    group.global_samples = reader.integer("global_samples", 0, least_global_samples, most_global_samples);
-    const std::vector<std::string> scenes = list("scenes"), sizes = list("sizes");
-    const std::string animation = reader.has("animation") ? reader.text("animation") : "";
-    if (reader.has("animation") && animation.empty()) reader.refuse("animation", "''", "the name of an animation");
-    const std::vector<double> times = read_times(reader, *raw);
-    try {
-      for (const std::string& scene : scenes)
-        for (std::string& still : at_times(expand_braces(scene), animation, times)) group.scenes.push_back(std::move(still));
-      for (const std::string& size : sizes) group.sizes.push_back(parse_size(size, "group.sizes"));
-    } catch (const Error& error) {
-      throw Error("{} ({})", error.what(), reader.where());
-    }
-    if (group.scenes.empty()) throw Error("group.scenes is empty ({})", reader.where());
-    suite.groups.push_back(std::move(group));
-  }
+  for (const toml::table* raw : top.tables("group")) suite.groups.push_back(read_group(*raw, path));
   if (suite.groups.empty()) throw Error("suite {} has no [[group]]", path.string());
   return suite;
 }

@@ -3,8 +3,12 @@
 #include <gnomon/scene.h>
 
 #include <filesystem>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
+
+#include "measure/scene/posed_scene.h"
 
 namespace gnomon {
 
@@ -28,6 +32,18 @@ std::pair<int, int> parse_size(const std::string& text, const std::string& what)
 /// parameter gets a label with that value. Throws Error on unknown techniques and parameters and on values out of range.
 std::vector<Contender> parse_contenders(const std::string& text, const std::string& label = "");
 
+/// Which frames of an animation a row has. Nothing: as find_path has them; at another rate or start as many as reach the last
+/// key.
+struct FrameTimes {
+  std::optional<int> frames = {};                     ///< least_frames .. most_frames
+  std::optional<double> frame_rate = {}, start = {};  ///< frames per second, above 0; seconds at the first frame, 0 or more
+  bool operator==(const FrameTimes&) const = default;
+};
+/// Of a row that follows an animation.
+inline constexpr int least_frames = 2, most_frames = most_motion_frames;
+/// In place of a name: each animation of the scene.
+inline constexpr std::string_view every_animation = "*";
+
 /// Rows that share scenes, lights, views and contenders: their cross product.
 struct SuiteGroup {
   std::vector<std::string> scenes;  ///< references, with the time of a still where the group has times
@@ -36,6 +52,9 @@ struct SuiteGroup {
   std::vector<Contender> contenders;
   std::vector<std::string> paths = {};          ///< names, see motion.h; empty: nothing moves
   std::vector<std::pair<int, int>> sizes = {};  ///< width and height in pixels; empty: the suite's
+  /// Animations by name, or `*` for each of the scene, followed frame by frame: rows beside those of `paths`.
+  std::vector<std::string> animations = {};
+  FrameTimes times = {};  ///< of these rows
   /// Light paths of a pixel of the reference that global pictures are compared with; 0: they are not.
   int global_samples = 0;
 };
@@ -50,8 +69,8 @@ struct Suite {
   int repetitions = 3;  ///< timed repetitions of each stage in each process
   int warmups = 3;
   double timeout = 60;  ///< seconds that one step of a worker may take
-  /// After `processes`, rows whose 95 % interval of relight or resolve is wider than this share of the time get more processes;
-  /// 0: none do.
+  /// After `processes`, rows whose 95 % interval of relight, of resolve or of update is wider than this share of the time get
+  /// more processes; 0: none do.
   double interval = 0;
   double budget = 600;     ///< seconds that those further processes may take in all
   AreaTarget target = {};  ///< of the reference under lights with area

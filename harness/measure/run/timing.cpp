@@ -81,6 +81,12 @@ void time_interleaved(std::vector<TimingTask>& tasks) {
   benchmark::ClearRegisteredBenchmarks();
 }
 
+void add_samples(Record& record, Stage stage, const TimingTask& task) {
+  record.times(stage).push_back(task.samples);
+  if (!task.others.device.empty()) record.device_times(stage).push_back(task.others.device);
+  if (!task.others.harness.empty()) record.harness_times(stage).push_back(task.others.harness);
+}
+
 double warmed_up_ms(WorkerClient& worker, Stage stage, int warmups) {
   constexpr double most_ms = 300;
   double least = 0, sum = 0;

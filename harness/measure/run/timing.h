@@ -27,6 +27,9 @@ int iterations_for(double ms);
 /// task itself reports. A task that throws costs its own samples only.
 void time_interleaved(std::vector<TimingTask>& tasks);
 
+/// Adds the samples of one process to the stage's times, and those of other clocks.
+void add_samples(Record& record, Stage stage, const TimingTask& task);
+
 /// Does a stage so many times untimed, fewer where that takes long, and by a card until times are stable. Returns the time of
 /// the fastest one, milliseconds: other work on the machine only adds.
 double warmed_up_ms(WorkerClient& worker, Stage stage, int warmups);

@@ -8,23 +8,25 @@
 #include <xxhash.h>
 
 #include <algorithm>
-#include <cmath>
 #include <cstring>
-#include <map>
 
+#include "measure/formats/motion_fields.h"
 #include "measure/part_file.h"
 #include "measure/paths.h"
-#include "measure/scene/base_scene.h"
+#include "measure/scene/blob_parts.h"
 #include "measure/scene/fields.h"
+#include "measure/scene/motion_data.h"
 
 namespace gnomon {
 
 namespace {
 
+using namespace scene_parts;
+
 /// Scenes without alpha masks keep the layout that they had before there were masks, and so their hashes. A program that reads
 /// only that one refuses scenes with masks: it would take them for solid. The same is true of meshes that let light through or
-/// are not seen: scenes without them keep the layouts that they had.
-constexpr std::uint32_t solid_layout = 2, masked_layout = 3, glass_layout = 4;
+/// are not seen, and of scenes that move: scenes without them keep the layouts that they had.
+constexpr std::uint32_t solid_layout = 2, masked_layout = 3, glass_layout = 4, moving_layout = 5;
 
 /// The layout up to the paths, for FieldWriter (const objects) and FieldReader alike.
 void visit_solid(auto& io, auto& scene) {
@@ -42,145 +44,13 @@ void visit_paths(auto& io, auto& paths) {
   io.list(paths, [](auto& sub, auto& path) { sub(path.name, path.moves, path.positions, path.frame_count); });
 }
 
-/// A mesh with an alpha mask: both by their indices.
-struct Masked {
-  std::uint32_t mesh = 0, mask = 0;
-  std::vector<glm::vec2> uv;
-};
-/// The alpha masks of a scene, each once, in the order of the meshes that have them.
-struct Masks {
-  std::vector<AlphaMask::Parts> masks;
-  std::vector<Masked> meshes;
-};
-
-void visit_masks(auto& io, auto& all) {
-  io.list(all.masks, [](auto& sub, auto& mask) {
-    sub(mask.width, mask.height, mask.wrap_u, mask.wrap_v, mask.factor, mask.cutoff, mask.bits, mask.alpha);
-  });
-  io.list(all.meshes, [](auto& sub, auto& one) { sub(one.mesh, one.mask, one.uv); });
-}
-
-Masks masks_of(const Scene& scene) {
-  Masks all;
-  std::map<const AlphaMask*, std::uint32_t> known;  // never walked through: addresses have no order that repeats
-  for (std::uint32_t m = 0; m < scene.meshes.size(); ++m) {
-    const Mesh& mesh = scene.meshes[m];
-    if (!mesh.alpha_mask) continue;
-    const AlphaMask& mask = *mesh.alpha_mask;
-    const auto [found, is_new] = known.try_emplace(&mask, static_cast<std::uint32_t>(all.masks.size()));
-    if (is_new)
-      all.masks.push_back({mask.width(),
-                           mask.height(),
-                           mask.wrap_u(),
-                           mask.wrap_v(),
-                           mask.factor(),
-                           mask.cutoff(),
-                           {mask.bits().begin(), mask.bits().end()},
-                           {mask.alpha().begin(), mask.alpha().end()}});
-    all.meshes.push_back({m, found->second, mesh.uv});
-  }
-  return all;
-}
-
-/// Throws Error unless each vertex of a mesh has a sound place in a picture.
-void check_places(std::span<const glm::vec2> uv, std::uint32_t number, const Mesh& mesh) {
-  if (uv.size() != mesh.positions.size())
-    throw Error("scene bytes have {} uv for the {} vertices of mesh {} ({})", uv.size(), mesh.positions.size(), number,
-                mesh.name);
-  for (std::size_t v = 0; v < uv.size(); ++v)
-    if (!is_sound_uv(uv[v]))
-      throw Error("scene bytes have uv = ({}, {}), which is not within {} .. {}, for vertex {} of mesh {} ({})", uv[v].x,
-                  uv[v].y, -largest_uv, largest_uv, v, number, mesh.name);
-}
-
-void put_masks(Masks all, Scene& scene) {
-  std::vector<std::shared_ptr<const AlphaMask>> masks;
-  for (AlphaMask::Parts& parts : all.masks) masks.push_back(std::make_shared<const AlphaMask>(std::move(parts)));
-  for (Masked& one : all.meshes) {
-    if (one.mesh >= scene.meshes.size())
-      throw Error("scene bytes have an alpha mask for mesh {} of {}", one.mesh, scene.meshes.size());
-    Mesh& mesh = scene.meshes[one.mesh];
-    if (mesh.alpha_mask) throw Error("scene bytes have two alpha masks for mesh {} ({})", one.mesh, mesh.name);
-    if (one.mask >= masks.size())
-      throw Error("scene bytes have alpha mask {} of {} for mesh {} ({})", one.mask, masks.size(), one.mesh, mesh.name);
-    check_places(one.uv, one.mesh, mesh);
-    if (mesh.has_curved_shape())
-      throw Error("scene bytes have an alpha mask for mesh {} ({}), whose shape is curved", one.mesh, mesh.name);
-    mesh.alpha_mask = masks[one.mask];
-    mesh.uv = std::move(one.uv);
-  }
-}
-
-/// A transmission; Transmission itself has no empty state to read into.
-struct TransmissionParts {
-  std::int32_t width = 0, height = 0, channels = 0;
-  AlphaMask::Wrap wrap_u = AlphaMask::Wrap::repeat, wrap_v = AlphaMask::Wrap::repeat;
-  std::vector<float> values;
-};
-/// A mesh that lets light through: both by their indices. `uv` are with the alpha mask where it has one, too.
-struct Transmitting {
-  std::uint32_t mesh = 0, transmission = 0;
-  std::vector<glm::vec2> uv;
-};
-/// The transmissions of a scene, each once, in the order of the meshes that have them, and the meshes that are not seen.
-struct GlassParts {
-  std::vector<TransmissionParts> transmissions;
-  std::vector<Transmitting> meshes;
-  std::vector<std::uint32_t> unseen;
-  bool empty() const { return meshes.empty() && unseen.empty(); }
-};
-
-void visit_glass(auto& io, auto& all) {
-  io.list(all.transmissions,
-          [](auto& sub, auto& one) { sub(one.width, one.height, one.channels, one.wrap_u, one.wrap_v, one.values); });
-  io.list(all.meshes, [](auto& sub, auto& one) { sub(one.mesh, one.transmission, one.uv); });
-  io(all.unseen);
-}
-
-GlassParts glass_of(const Scene& scene) {
-  GlassParts all;
-  std::map<const Transmission*, std::uint32_t> known;  // never walked through, as above
-  for (std::uint32_t m = 0; m < scene.meshes.size(); ++m) {
-    const Mesh& mesh = scene.meshes[m];
-    if (!mesh.seen) all.unseen.push_back(m);
-    if (!mesh.transmission) continue;
-    const Transmission& one = *mesh.transmission;
-    const auto [found, is_new] = known.try_emplace(&one, static_cast<std::uint32_t>(all.transmissions.size()));
-    if (is_new)
-      all.transmissions.push_back(
-          {one.width(), one.height(), one.channels(), one.wrap_u(), one.wrap_v(), {one.values().begin(), one.values().end()}});
-    all.meshes.push_back({m, found->second, mesh.alpha_mask ? std::vector<glm::vec2>() : mesh.uv});
-  }
-  return all;
-}
-
-void put_glass(GlassParts all, Scene& scene) {
-  std::vector<std::shared_ptr<const Transmission>> transmissions;
-  for (TransmissionParts& one : all.transmissions)
-    transmissions.push_back(std::make_shared<const Transmission>(one.width, one.height, one.channels, std::move(one.values),
-                                                                 one.wrap_u, one.wrap_v));
-  for (Transmitting& one : all.meshes) {
-    if (one.mesh >= scene.meshes.size())
-      throw Error("scene bytes have a transmission for mesh {} of {}", one.mesh, scene.meshes.size());
-    Mesh& mesh = scene.meshes[one.mesh];
-    if (mesh.transmission) throw Error("scene bytes have two transmissions for mesh {} ({})", one.mesh, mesh.name);
-    if (one.transmission >= transmissions.size())
-      throw Error("scene bytes have transmission {} of {} for mesh {} ({})", one.transmission, transmissions.size(), one.mesh,
-                  mesh.name);
-    if (mesh.has_curved_shape())
-      throw Error("scene bytes have a transmission for mesh {} ({}), whose shape is curved", one.mesh, mesh.name);
-    if (mesh.alpha_mask && !one.uv.empty())
-      throw Error("scene bytes have uv for both mask and transmission of mesh {} ({})", one.mesh, mesh.name);
-    mesh.transmission = transmissions[one.transmission];
-    if (mesh.alpha_mask) continue;
-    if (mesh.needs_uv() || !one.uv.empty()) check_places(one.uv, one.mesh, mesh);
-    mesh.uv = std::move(one.uv);
-  }
-  for (const std::uint32_t m : all.unseen) {
-    if (m >= scene.meshes.size()) throw Error("scene bytes say that mesh {} of {} is not seen", m, scene.meshes.size());
-    if (!scene.meshes[m].seen) throw Error("scene bytes say twice that mesh {} ({}) is not seen", m, scene.meshes[m].name);
-    scene.meshes[m].seen = false;
-  }
+/// Throws Error on a path that no loader makes: it moves neither camera nor light, or has no way or no frames.
+void check_path(const Path& path) {
+  if (path.moves != Path::Moves::camera && path.moves != Path::Moves::light)
+    throw Error("scene bytes have a path '{}' that moves {}, neither the camera (0) nor a light (1)", path.name,
+                static_cast<int>(path.moves));
+  if (path.positions.size() < 2) throw Error("scene bytes have a path '{}' of {} positions", path.name, path.positions.size());
+  if (path.frame_count < 1) throw Error("scene bytes have a path '{}' of {} frames", path.name, path.frame_count);
 }
 
 /// A regular file that is open for reading, and its size; closed at the end of the scope. Opening does not wait for a pipe's
@@ -222,21 +92,28 @@ std::vector<std::byte> scene_bytes(const Scene& scene) {
   FieldWriter writer;
   const Masks masks = masks_of(scene);
   const GlassParts glass = glass_of(scene);
-  const std::uint32_t layout = !glass.empty() ? glass_layout : !masks.meshes.empty() ? masked_layout : solid_layout;
+  const std::uint32_t layout = scene.motion            ? moving_layout
+                               : !glass.empty()        ? glass_layout
+                               : !masks.meshes.empty() ? masked_layout
+                                                       : solid_layout;
   writer(layout);
   visit_solid(writer, scene);
   if (layout >= masked_layout || writer.has_more(scene.paths)) visit_paths(writer, scene.paths);
   if (layout >= masked_layout) visit_masks(writer, masks);
   if (layout >= glass_layout) visit_glass(writer, glass);
+  if (layout >= moving_layout) visit_motion(writer, *scene.motion);
   return std::move(writer.bytes);
 }
 
-std::string scene_hash(const Scene& scene, std::span<const std::string> lights) {
+std::string scene_hash(const Scene& scene, std::span<const std::string> lights, WithMotion with_motion) {
   const auto is_other = [&](const Light& one) { return has_area(one) && std::ranges::find(lights, one.name) == lights.end(); };
   const auto has_dropped = [](const Mesh& mesh) { return mesh.facts.degenerate_count > 0; };
-  if (scene.notes.empty() && std::ranges::none_of(scene.lights, is_other) && std::ranges::none_of(scene.meshes, has_dropped))
+  const bool leaves_motion_out = scene.motion && with_motion == WithMotion::no;
+  if (scene.notes.empty() && std::ranges::none_of(scene.lights, is_other) && std::ranges::none_of(scene.meshes, has_dropped) &&
+      !leaves_motion_out)
     return content_hash(scene_bytes(scene));
   Scene hashed = scene;
+  if (leaves_motion_out) hashed.motion = nullptr;
   std::erase_if(hashed.lights, is_other);
   hashed.notes.clear();
   for (Mesh& mesh : hashed.meshes) mesh.facts.degenerate_count = 0;
@@ -247,8 +124,8 @@ Scene scene_from_bytes(std::span<const std::byte> bytes) {
   FieldReader reader(bytes, "scene bytes end too early");
   std::uint32_t layout = 0;
   reader(layout);
-  if (layout < solid_layout || layout > glass_layout)
-    throw Error("scene bytes have layout {}; this program reads {} .. {}", layout, solid_layout, glass_layout);
+  if (layout < solid_layout || layout > moving_layout)
+    throw Error("scene bytes have layout {}; this program reads {} .. {}", layout, solid_layout, moving_layout);
   Scene scene;
   visit_solid(reader, scene);
   if (layout >= masked_layout || reader.has_more(scene.paths)) visit_paths(reader, scene.paths);
@@ -261,6 +138,13 @@ Scene scene_from_bytes(std::span<const std::byte> bytes) {
     GlassParts glass;
     visit_glass(reader, glass);
     put_glass(std::move(glass), scene);
+  }
+  for (const Path& path : scene.paths) check_path(path);
+  if (layout >= moving_layout) {
+    const auto motion = std::make_shared<Motion>();
+    visit_motion(reader, *motion);
+    scene.motion = motion;
+    check_motion(scene, "scene bytes");
   }
   return scene;
 }

@@ -14,15 +14,19 @@ std::string content_hash(std::span<const std::byte> bytes);
 std::string content_hash(const std::string& text);
 
 /// A scene as bytes, with everything that a technique or the scoring can see; equal scenes give equal bytes. An alpha mask or a
-/// transmission that meshes share is stored once.
+/// transmission that meshes share is stored once. Positions are those of the present pose, motion is with them.
 std::vector<std::byte> scene_bytes(const Scene& scene);
 /// The identity in records of a scene that lights of these names lit: the hash of everything that can be seen or lit. It leaves
 /// out what the loader noted about the file (notes, dropped triangles) and all other lights with area. Hence a scene that gains
-/// such a light keeps its records.
-std::string scene_hash(const Scene& scene, std::span<const std::string> lights);
-inline std::string scene_hash(const Scene& scene, const Light& light) { return scene_hash(scene, {&light.name, 1}); }
-/// The inverse of scene_bytes. Throws Error on bytes of another layout, and on alpha masks and transmissions that are none or
-/// fit no mesh.
+/// such a light keeps its records. It also leaves out how meshes move, unless the row follows an animation. The scene is at
+/// rest.
+enum class WithMotion { no, yes };
+std::string scene_hash(const Scene& scene, std::span<const std::string> lights, WithMotion with_motion = WithMotion::no);
+inline std::string scene_hash(const Scene& scene, const Light& light, WithMotion with_motion = WithMotion::no) {
+  return scene_hash(scene, {&light.name, 1}, with_motion);
+}
+/// The inverse of scene_bytes. Throws Error on bytes of another layout, on alpha masks and transmissions that are none or
+/// fit no mesh, on paths that are none and on motion that check_motion refuses.
 Scene scene_from_bytes(std::span<const std::byte> bytes);
 
 /// A file mapped read-only; its address is aligned to a page.

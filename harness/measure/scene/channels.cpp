@@ -65,11 +65,33 @@ Scene in_channel(const Scene& scene, Channel channel) {
   return one;
 }
 
+namespace {
+
+/// Whether a scene that was made of the other is in the pose of that.
+bool is_in_pose_of(const Scene& copy, const Scene& scene) {
+  const auto are_equal = [](const Mesh& a, const Mesh& b) {
+    return a.reach.min == b.reach.min && a.reach.max == b.reach.max && a.shape.has_value() == b.shape.has_value();
+  };
+  return copy.pose_number == scene.pose_number && std::ranges::equal(copy.meshes, scene.meshes, are_equal);
+}
+
+void take_pose(const Scene& from, Scene& to) {
+  for (std::size_t m = 0; m < from.meshes.size(); ++m) {
+    std::ranges::copy(from.meshes[m].positions, to.meshes[m].positions.begin());
+    to.meshes[m].shape = from.meshes[m].shape;
+    to.meshes[m].reach = from.meshes[m].reach;
+  }
+  to.pose_number = from.pose_number;
+}
+
+}  // namespace
+
 const Scene& ChannelScenes::of(const Light& light) {
   const std::optional<Channel> channel = is_colored_ ? channel_of(light.name) : std::nullopt;
   if (!channel) return scene_;
-  std::unique_ptr<const Scene>& made = made_[static_cast<std::size_t>(*channel)];
-  if (!made) made = std::make_unique<const Scene>(in_channel(scene_, *channel));
+  std::unique_ptr<Scene>& made = made_[static_cast<std::size_t>(*channel)];
+  if (!made) made = std::make_unique<Scene>(in_channel(scene_, *channel));
+  if (!is_in_pose_of(*made, scene_)) take_pose(scene_, *made);
   return *made;
 }
 

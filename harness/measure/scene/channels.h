@@ -34,7 +34,8 @@ std::size_t whole_count(const std::vector<std::string>& names);
 Scene in_channel(const Scene& scene, Channel channel);
 
 /// A scene by what each of its lights finds: the scene itself, or where its glass colors the light that in one channel, made
-/// on first use. Not for two threads at once.
+/// on first use. That follows the scene's pose: `of` moves its vertices in place, at their addresses, where the scene's were
+/// moved since the call before. Not for two threads at once.
 class ChannelScenes {
  public:
   /// The scene must outlive this.
@@ -44,7 +45,7 @@ class ChannelScenes {
  private:
   const Scene& scene_;
   bool is_colored_;
-  std::array<std::unique_ptr<const Scene>, std::size(all_channels)> made_;
+  std::array<std::unique_ptr<Scene>, std::size(all_channels)> made_;
 };
 
 }  // namespace gnomon

@@ -216,16 +216,15 @@ void finish_scene(Scene& scene, const std::string& where) {
   for (const Mesh& mesh : scene.meshes) check_vertices(mesh, where);
   check_motion(scene, where);
   merge_duplicates(scene);
-  std::size_t dropped = 0;
-  for (Mesh& mesh : scene.meshes) {
+  for (Mesh& mesh : scene.meshes)
     if ((mesh.alpha_mask || mesh.transmission) && mesh.has_curved_shape()) {
       mesh.shape.reset();
       scene.notes.push_back(fmt::format("mesh '{}' has {}: its triangles are taken, not its exact shape", mesh.name,
                                         mesh.alpha_mask ? "an alpha mask" : "a transmission"));
     }
-    finish(mesh);
-    dropped += mesh.facts.degenerate_count;
-  }
+  finish_meshes(scene);
+  std::size_t dropped = 0;
+  for (const Mesh& mesh : scene.meshes) dropped += mesh.facts.degenerate_count;
   if (dropped > 0) scene.notes.push_back(fmt::format("{} triangles without area are dropped", dropped));
   drop_empty_meshes(scene);
   for (const Mesh& mesh : scene.meshes)
@@ -234,7 +233,7 @@ void finish_scene(Scene& scene, const std::string& where) {
   // A file that is placed many times says the same each time.
   std::set<std::string> said;
   std::erase_if(scene.notes, [&](const std::string& note) { return !said.insert(note).second; });
-  if (scene.meshes.empty() && scene.motion)
+  if (scene.motion && !has_geometry_at_rest(scene))
     throw Error("scene '{}' has no geometry at rest; it has animations: {} ({})", scene.name,
                 joined(names_of(scene.motion->animations), ", "), where);
   if (scene.meshes.empty()) throw Error("scene '{}' has no geometry ({})", scene.name, where);
@@ -283,7 +282,7 @@ void add_framing(Scene& scene) {
 Scene load_scene(const std::string& reference) {
   Scene scene = read_scene(reference, {});
   finish_scene(scene, reference);
-  add_framing(scene);
+  scene.motion ? add_framing_at_rest(scene) : add_framing(scene);
   split_lights(scene);
   return scene;
 }

@@ -6,8 +6,11 @@
 
 #include <algorithm>
 #include <cassert>
+#include <cmath>
+#include <span>
 
 #include "measure/scene/load.h"
+#include "measure/scene/posed_scene.h"
 
 namespace gnomon {
 
@@ -50,6 +53,14 @@ Path light_slide(const Scene& scene, Light light) {
   return {"light_slide", Path::Moves::light, {start, glm::vec3(end)}, slide_frames};
 }
 
+/// All of an animation, as far as a row may have frames.
+Path path_of(const Animation& animation) {
+  Path path{.name = animation.name, .moves = Path::Moves::geometry};
+  const double frames = std::ceil(animation.end() * path.frame_rate) + 1;
+  path.frame_count = static_cast<int>(std::clamp(frames, 2.0, double{most_motion_frames}));
+  return path;
+}
+
 glm::vec3 position_at(const Path& path, int frame) {
   assert(path.positions.size() >= 2 && frame >= 0 && frame < path.frame_count);
   const auto last = static_cast<double>(path.positions.size() - 1);
@@ -65,6 +76,11 @@ Path find_path(const Scene& scene, const std::string& name, const Light& light, 
   for (const Path& path : scene.paths) {
     if (path.name == name) return path;
     names.push_back(path.name);
+  }
+  const std::span<const Animation> animations = scene.motion ? scene.motion->animations : std::span<const Animation>();
+  for (const Animation& animation : animations) {
+    if (animation.name == name) return path_of(animation);
+    names.push_back(animation.name);
   }
   if (name == "camera_slide") return camera_slide(view);
   if (name == "light_slide") return light_slide(scene, light);
@@ -84,7 +100,32 @@ View view_at(const Path& path, const View& view, int frame) {
   return moved;
 }
 
-void check_frames(const Path& path, const Light& light, const View& view, const std::string& scene) {
+namespace {
+
+/// The frame as errors name it.
+std::string frame_name(const std::string& scene, const Path& path, int frame) {
+  return fmt::format("scene {}, path {}, frame {}", scene, path.name, frame);
+}
+
+void check_poses(const Path& path, const Scene& scene, const std::string& name) {
+  const Animation& animation = animation_of(scene, path.name);
+  const std::vector<bool> moved = moved_rigs(*scene.motion, animation);
+  for (int frame = 0; frame < path.frame_count; ++frame) {
+    try {
+      posed_positions(scene, animation, pose_at(path, frame)->seconds, moved);
+    } catch (const Error& error) {
+      throw Error("{} ({})", error.what(), frame_name(name, path, frame));
+    }
+  }
+}
+
+}  // namespace
+
+void check_frames(const Path& path, const Light& light, const View& view, const Scene& scene, const std::string& name) {
+  if (path.moves == Path::Moves::geometry) {
+    check_poses(path, scene, name);
+    return;
+  }
   // Straight lines between rounded keys miss a point that they go through by some last digits, and what is left is no
   // direction.
   constexpr double least_share = 1e-6;
@@ -95,7 +136,7 @@ void check_frames(const Path& path, const Light& light, const View& view, const 
   for (const glm::vec3& key : path.positions) farthest = std::max(farthest, glm::distance(glm::dvec3(key), middle));
   for (int frame = 0; frame < path.frame_count; ++frame) {
     const glm::vec3 position = position_at(path, frame);
-    const auto where = [&] { return fmt::format("scene {}, path {}, frame {}", scene, path.name, frame); };
+    const auto where = [&] { return frame_name(name, path, frame); };
     if (has_middle && glm::distance(glm::dvec3(position), middle) <= least_share * farthest)
       throw Error("{} '{}': {} = ({}, {}, {}) is {} ({})", moves_camera ? "view" : "light",
                   moves_camera ? view.name : light.name, moves_camera ? "eye" : "direction", position.x, position.y, position.z,

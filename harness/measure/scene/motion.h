@@ -5,7 +5,8 @@
 
 namespace gnomon {
 
-/// The path of this name: one of the scene's own, or a slide that every scene has, made for this light and view:
+/// The path of this name: one of the scene's own, one of its animations (`Path::Moves::geometry`: at 60 frames a second from 0
+/// to the last key, 2 .. most_motion_frames frames), or a slide that every scene has, made for this light and view:
 /// `camera_slide` moves the eye sideways by 1 % of its distance to the target, `light_slide` the light sideways by 1 % of its
 /// distance to the middle of the scene (a directional light turns by 0.01 radians); 16 frames, so that a step is below a pixel.
 /// Throws Error with the nearest name.
@@ -18,7 +19,8 @@ Light light_at(const Path& path, const Light& light, int frame);
 View view_at(const Path& path, const View& view, int frame);
 
 /// Throws Error with the number of the first frame, from 0, at which this light or view cannot be: an eye that passes through
-/// its target, an `up` along the line of sight, a direction of zero.
-void check_frames(const Path& path, const Light& light, const View& view, const std::string& scene);
+/// its target, an `up` along the line of sight, a direction of zero; or at which a mesh of the scene cannot be. `name` is the
+/// scene's in messages.
+void check_frames(const Path& path, const Light& light, const View& view, const Scene& scene, const std::string& name);
 
 }  // namespace gnomon

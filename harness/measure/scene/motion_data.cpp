@@ -15,6 +15,7 @@
 #include "measure/scene/import_masks.h"
 #include "measure/scene/load.h"
 #include "measure/scene/names.h"
+#include "measure/scene/pose.h"
 
 namespace gnomon {
 namespace {
@@ -121,6 +122,42 @@ void name_apart(std::vector<Animation>& animations, const std::vector<Animation>
   }
 }
 
+bool repeats_a_vertex(const glm::uvec3& t) { return t.x == t.y || t.y == t.z || t.z == t.x; }
+
+/// See finish_meshes.
+void finish_moving(const Rig& rig, Mesh& mesh) {
+  std::vector<glm::vec3> base;
+  base.reserve(rig.base.size());
+  for (const glm::dvec3& p : rig.base) base.emplace_back(p);
+  const bool may_spread = rig.skin != Rig::no_skin || !rig.targets.empty();
+  const auto is_flat = [](const std::vector<glm::vec3>& positions, const glm::uvec3& t) {
+    return is_degenerate(positions[t.x], positions[t.y], positions[t.z]);
+  };
+  const std::size_t dropped = std::erase_if(mesh.triangles, [&](const glm::uvec3& t) {
+    return repeats_a_vertex(t) || (!may_spread && is_flat(base, t) && is_flat(mesh.positions, t));
+  });
+  // Where two corners have one base position, the other two edges of the triangle are one edge of its neighbors.
+  const std::vector<std::uint32_t> first = weld(base);
+  std::vector<glm::uvec3> measured;
+  measured.reserve(mesh.triangles.size());
+  for (const glm::uvec3& t : mesh.triangles)
+    if (!repeats_a_vertex({first[t.x], first[t.y], first[t.z]})) measured.push_back(t);
+  mesh.facts = measure_facts(base, measured);
+  mesh.facts.degenerate_count = dropped;
+}
+
+/// Of each mesh the rig by which some animation moves it; null: it stands still in all of them.
+std::vector<const Rig*> moving_rigs(const Scene& scene) {
+  std::vector<const Rig*> rigs(scene.meshes.size());
+  if (!scene.motion) return rigs;
+  for (const Animation& animation : scene.motion->animations) {
+    const std::vector<bool> moved = moved_rigs(*scene.motion, animation);
+    for (std::size_t r = 0; r < moved.size(); ++r)
+      if (const Rig& rig = scene.motion->rigs[r]; moved[r]) rigs[rig.mesh] = &rig;
+  }
+  return rigs;
+}
+
 }  // namespace
 
 void check_motion(const Motion& motion, const std::string& where) {
@@ -174,6 +211,10 @@ void check_motion(const Scene& scene, const std::string& where) {
     if (!names.insert(animation.name).second) throw Error("{}: animation: name '{}' is given twice", where, animation.name);
   }
   if (motion.animations.empty()) throw Error("{}: has motion and no animation", where);
+  for (const Path& path : scene.paths)
+    if (names.contains(path.name))
+      throw Error("{0}: path '{1}' and animation '{1}' have one name; names of paths and animations are unique", where,
+                  path.name);
   std::vector<bool> has_rig(scene.meshes.size());
   for (const Rig& rig : motion.rigs) {
     if (rig.mesh >= scene.meshes.size()) throw Error("{}: moves mesh {} of {}", where, rig.mesh, scene.meshes.size());
@@ -229,6 +270,20 @@ void merge_duplicates(Scene& scene) {
     mesh.triangles.resize(kept);
   }
   if (merged > 0) scene.notes.push_back(fmt::format("{} triangles of meshes that move lie on others and are merged", merged));
+}
+
+void finish_meshes(Scene& scene) {
+  const std::vector<const Rig*> rigs = moving_rigs(scene);
+  for (std::size_t m = 0; m < scene.meshes.size(); ++m)
+    rigs[m] ? finish_moving(*rigs[m], scene.meshes[m]) : finish(scene.meshes[m]);
+}
+
+bool has_geometry_at_rest(const Scene& scene) {
+  return std::ranges::any_of(scene.meshes, [](const Mesh& mesh) {
+    return std::ranges::any_of(mesh.triangles, [&](const glm::uvec3& t) {
+      return !is_degenerate(mesh.positions[t.x], mesh.positions[t.y], mesh.positions[t.z]);
+    });
+  });
 }
 
 void drop_empty_meshes(Scene& scene) {

@@ -28,44 +28,6 @@ std::vector<double> value_at(const Animation& animation, const Track& track, dou
   }
 }
 
-/// The nodes with what the tracks give them.
-std::vector<MotionNode> nodes_at(const Motion& motion, const Animation* animation, double seconds) {
-  std::vector<MotionNode> nodes = motion.nodes;
-  if (!animation) return nodes;
-  for (const Track& track : animation->tracks) {
-    assert(track.node < nodes.size());
-    MotionNode& node = nodes[track.node];
-    const std::vector<double> value = value_at(*animation, track, seconds);
-    switch (track.property) {
-      case Track::Property::translation:
-        node.translation = {value[0], value[1], value[2]};
-        break;
-      case Track::Property::rotation:
-        node.rotation = {value[0], value[1], value[2], value[3]};
-        break;
-      case Track::Property::scale:
-        node.scale = {value[0], value[1], value[2]};
-        break;
-      case Track::Property::weights:
-        node.weights = value;
-        break;
-    }
-  }
-  return nodes;
-}
-
-/// World from node, of each.
-std::vector<glm::dmat4> matrices_of(const std::vector<MotionNode>& nodes) {
-  std::vector<glm::dmat4> matrices;
-  matrices.reserve(nodes.size());
-  for (const MotionNode& node : nodes) {
-    const glm::dmat4 local = node.matrix ? *node.matrix : node_matrix(node.translation, node.rotation, node.scale);
-    assert(node.parent == MotionNode::none || node.parent < matrices.size());
-    matrices.push_back(node.parent == MotionNode::none ? local : matrices[node.parent] * local);
-  }
-  return matrices;
-}
-
 /// Of each node whether an animation moves it, and whether it moves its weights.
 struct MovedNodes {
   std::vector<bool> places, weights;
@@ -90,7 +52,7 @@ class Pose {
   Pose(const Motion& motion, const Animation& animation, double seconds)
       : motion_(motion),
         nodes_(nodes_at(motion, &animation, seconds)),
-        matrices_(matrices_of(nodes_)),
+        matrices_(node_matrices(nodes_)),
         joints_(motion.skins.size()) {}
 
   /// Where a mesh is in double, before it is rounded.
@@ -148,8 +110,44 @@ class Pose {
 
 }  // namespace
 
+std::vector<MotionNode> nodes_at(const Motion& motion, const Animation* animation, double seconds) {
+  std::vector<MotionNode> nodes = motion.nodes;
+  if (!animation) return nodes;
+  for (const Track& track : animation->tracks) {
+    assert(track.node < nodes.size());
+    MotionNode& node = nodes[track.node];
+    const std::vector<double> value = value_at(*animation, track, seconds);
+    switch (track.property) {
+      case Track::Property::translation:
+        node.translation = {value[0], value[1], value[2]};
+        break;
+      case Track::Property::rotation:
+        node.rotation = {value[0], value[1], value[2], value[3]};
+        break;
+      case Track::Property::scale:
+        node.scale = {value[0], value[1], value[2]};
+        break;
+      case Track::Property::weights:
+        node.weights = value;
+        break;
+    }
+  }
+  return nodes;
+}
+
+std::vector<glm::dmat4> node_matrices(const std::vector<MotionNode>& nodes) {
+  std::vector<glm::dmat4> matrices;
+  matrices.reserve(nodes.size());
+  for (const MotionNode& node : nodes) {
+    const glm::dmat4 local = node.matrix ? *node.matrix : node_matrix(node.translation, node.rotation, node.scale);
+    assert(node.parent == MotionNode::none || node.parent < matrices.size());
+    matrices.push_back(node.parent == MotionNode::none ? local : matrices[node.parent] * local);
+  }
+  return matrices;
+}
+
 std::vector<glm::dmat4> node_matrices(const Motion& motion, const Animation* animation, double seconds) {
-  return matrices_of(nodes_at(motion, animation, seconds));
+  return node_matrices(nodes_at(motion, animation, seconds));
 }
 
 bool moves(const Motion& motion, const Animation& animation, const Rig& rig) {
@@ -176,12 +174,13 @@ void add_framing_at_rest(Scene& scene) {
   scene.notes = std::move(rest.notes);
 }
 
-void pose(Scene& scene, const Animation& animation, double seconds) {
+std::vector<std::vector<glm::vec3>> posed_positions(const Scene& scene, const Animation& animation, double seconds,
+                                                    const std::vector<bool>& moved) {
   if (!std::isfinite(seconds)) throw Error("time = {} is not a finite number of seconds", seconds);
   if (seconds < 0) throw Error("time = {} is below 0", seconds);
-  if (!scene.motion) return;
+  if (!scene.motion) return {};
   const Motion& motion = *scene.motion;
-  const std::vector<bool> moved = moved_rigs(motion, animation);
+  assert(moved.size() == motion.rigs.size());
   Pose at(motion, animation, seconds);
   std::vector<std::vector<glm::vec3>> posed(motion.rigs.size());
   for (std::size_t r = 0; r < posed.size(); ++r) {
@@ -196,14 +195,21 @@ void pose(Scene& scene, const Animation& animation, double seconds) {
       posed[r].emplace_back(p);
     }
   }
+  return posed;
+}
+
+void pose(Scene& scene, const Animation& animation, double seconds) {
+  const std::vector<bool> moved = scene.motion ? moved_rigs(*scene.motion, animation) : std::vector<bool>();
+  const std::vector<std::vector<glm::vec3>> posed = posed_positions(scene, animation, seconds, moved);
   for (std::size_t r = 0; r < posed.size(); ++r) {
     if (!moved[r]) continue;
-    Mesh& mesh = scene.meshes[motion.rigs[r].mesh];
-    mesh.positions = std::move(posed[r]);
+    Mesh& mesh = scene.meshes[scene.motion->rigs[r].mesh];
+    std::ranges::copy(posed[r], mesh.positions.begin());
     if (mesh.has_curved_shape())
       scene.notes.push_back(fmt::format("mesh '{}' moves: its triangles are taken, not its exact shape", mesh.name));
     mesh.shape.reset();
   }
+  if (std::ranges::find(moved, true) != moved.end()) ++scene.pose_number;
 }
 
 const Animation& animation_of(const Scene& scene, const std::string& name) {

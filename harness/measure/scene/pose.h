@@ -12,7 +12,11 @@ namespace gnomon {
 /// short way, cubic ones normalized. Throws Error where a cubic rotation passes 0.
 std::vector<double> sampled(const Track& track, double seconds);
 
-/// World from node, of each node at that time; without an animation in the file's own pose.
+/// The nodes with what the tracks of the animation give them at that time; without one as the file has them.
+std::vector<MotionNode> nodes_at(const Motion& motion, const Animation* animation, double seconds);
+/// World from node, of each.
+std::vector<glm::dmat4> node_matrices(const std::vector<MotionNode>& nodes);
+/// The same of each node at that time; without an animation in the file's own pose.
 std::vector<glm::dmat4> node_matrices(const Motion& motion, const Animation* animation, double seconds);
 
 /// Whether the animation moves what the rig places. A track is on the rig's node, or with a skin on one of its joints, or on a
@@ -21,10 +25,15 @@ bool moves(const Motion& motion, const Animation& animation, const Rig& rig);
 /// The same of each rig of the motion, in one pass.
 std::vector<bool> moved_rigs(const Motion& motion, const Animation& animation);
 
-/// Moves the vertices of all meshes that the animation moves to where they are at that time; others keep their bits. All in
-/// double, rounded once: morph targets, then joints in their order or the node, then the placement. A mesh that moves loses its
-/// exact shape, a curved one with a note. Throws Error where the time is below 0 or not finite, and with mesh, vertex and time
-/// where a position is outside `coordinate_range`; the scene is then as it was.
+/// Where the animation has the vertices of each rig's mesh at that time; empty for rigs whose flag in `moved` is false. All in
+/// double, rounded once: morph targets, then joints in their order or the node, then the placement. Throws Error where the time
+/// is below 0 or not finite, and with mesh, vertex and time where a position is outside `coordinate_range`.
+std::vector<std::vector<glm::vec3>> posed_positions(const Scene& scene, const Animation& animation, double seconds,
+                                                    const std::vector<bool>& moved);
+
+/// Moves the vertices of all meshes that the animation moves to where they are at that time, in place; others keep their bits.
+/// A mesh that moves loses its exact shape, a curved one with a note. Throws Error as `posed_positions` does; the scene is then
+/// as it was.
 void pose(Scene& scene, const Animation& animation, double seconds);
 
 /// What a reference says behind its scene: "@1.5" or "@walk=1.5".

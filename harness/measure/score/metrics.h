@@ -129,12 +129,17 @@ class Scoring {
 
 /// One metric is one row. A value is nothing where it is not defined, and shown so.
 struct MetricInfo {
+  /// What has a value: a frame; a frame of a path together with the one before; all frames of a path (TimeScore).
+  enum class Of : std::uint8_t { frame, two_frames, row };
   std::string_view name, unit;
   std::string_view better;  ///< "lower", "higher" or ""
   std::string_view sentence;
-  std::optional<double> (*value)(const Scoring&);
+  std::optional<double> (*value)(const Scoring&);  ///< null where all frames have one value
+  Of of = Of::frame;
 };
 std::span<const MetricInfo> metric_infos();
+/// Of the metric of that name; of a name that is none, `frame`.
+MetricInfo::Of metric_is_of(std::string_view name);
 /// The metric that compares channels, which those of one do not have.
 inline constexpr std::string_view hue_error_name = "hue_error";
 

@@ -44,9 +44,9 @@ std::map<std::string, double> cause_errors(const Evidence& evidence);
 /// Why a record's causes do not belong to today's frames: they were found on frames of another version. Empty where they do.
 std::string causes_obstacle(const Record& record);
 
-/// All metrics; of several channels the means over them.
+/// All metrics but those that only all frames of a row have (TimeScore); of several channels the means over them.
 Metrics measure_metrics(const Scoring& scoring);
-/// One of them; the name is that of a metric.
+/// One of them; the name is that of such a metric.
 std::optional<double> measure_metric(const Scoring& scoring, std::string_view name);
 
 /// "B": n, ...

@@ -2,6 +2,7 @@
 #include "measure/fields.h"
 #include "measure/frame/classify.h"
 #include "measure/gl_inputs.h"
+#include "measure/scene/posed_scene.h"
 
 // The messages between a program and its workers: one line of JSON a request, {"do": VERB, ...}, and one a reply. Each request
 // is a struct with its verb and its reply; an exception is answered by {"error": text}.
@@ -10,7 +11,7 @@ namespace gnomon {
 
 /// Version of these, and of the files that pass between both sides. One more with every change that an older worker would
 /// misunderstand.
-inline constexpr int worker_protocol = 5;
+inline constexpr int worker_protocol = 6;
 
 /// A worker that is asked for several iterations of a stage answers after the one in which these seconds are over, with as many
 /// as it has done: an answer takes no longer than this and one call of the stage.
@@ -18,6 +19,9 @@ inline constexpr double longest_portion_seconds = 0.1;
 
 /// Bare passes in a row that a worker draws in one answer, at most.
 inline constexpr int most_floor_times = 50;
+
+/// The last stage that is up to date once this one was done: build brings along what update would.
+constexpr Stage fresh_after(Stage stage) { return stage == Stage::build ? Stage::update : stage; }
 
 /// Nothing but that it is done.
 struct Done {};
@@ -86,6 +90,11 @@ struct SetRequest {
 void for_each_field(MaybeConst<SetRequest> auto& r, const auto& use) { use("settings", r.settings); }
 void for_each_field(MaybeConst<SetRequest::Reply> auto& r, const auto& use) { use("fresh", r.fresh); }
 
+void for_each_field(MaybeConst<WantedPose> auto& r, const auto& use) {
+  use("animation", r.at.animation, "seconds", r.at.seconds, "start", r.at.start, "frame_rate", r.at.frame_rate);
+  use("frames", r.at.frames, "hash", r.hash);
+}
+
 /// Goes to a frame. Lights and view are the scene's, by number, on a path where that has moved one of them to; or they are
 /// free: those of `light_and_view`, a file with the scene_bytes of a scene without meshes that holds the lights and one view.
 struct GoRequest {
@@ -96,8 +105,9 @@ struct GoRequest {
   std::optional<std::string> light_and_view = {};
   std::vector<std::size_t> lights = {};
   std::size_t view = 0;
-  std::string path = {};  ///< its name; empty: light and view do not move
-  int frame = 0;          ///< on the path
+  std::string path = {};                ///< its name; empty: light and view do not move
+  int frame = 0;                        ///< on the path
+  std::optional<WantedPose> pose = {};  ///< nothing: meshes are at rest
   struct Reply {
     SupportReply support;
     int fresh = 0;
@@ -109,7 +119,7 @@ struct GoRequest {
 void for_each_field(MaybeConst<GoRequest> auto& r, const auto& use) {
   use("gbuffer", r.gbuffer, "width", r.width, "height", r.height, "truth", r.truth);
   use("light_and_view", r.light_and_view, "lights", r.lights, "view", r.view);
-  use("path", r.path, "frame", r.frame);
+  use("path", r.path, "frame", r.frame, "pose", r.pose);
 }
 void for_each_field(MaybeConst<GoRequest::Reply> auto& r, const auto& use) {
   use("support", r.support, "fresh", r.fresh, "lights", r.lights, "shares", r.shares, "floor", r.floor);
@@ -260,14 +270,15 @@ struct TraceRequest {
   double error = 0;  ///< AreaTarget
   std::uint32_t cap = 0;
   int subpixel_bits = usual_subpixel_bits, global_samples = 0;
-  std::string done = {};  ///< place of a SharedCount of the pixels that are through; may be empty
+  std::string done = {};                ///< place of a SharedCount of the pixels that are through; may be empty
+  std::optional<WantedPose> pose = {};  ///< nothing: meshes are at rest
   using Reply = Done;
 };
 void for_each_field(MaybeConst<TraceRequest> auto& r, const auto& use) {
   use("scene", r.scene, "light_and_view", r.light_and_view, "gbuffer", r.gbuffer, "out", r.out);
   use("width", r.width, "height", r.height, "truth", r.truth);
   use("error", r.error, "cap", r.cap, "subpixel_bits", r.subpixel_bits);
-  use("global_samples", r.global_samples, "done", r.done);
+  use("global_samples", r.global_samples, "done", r.done, "pose", r.pose);
 }
 
 /// The line of a request.

@@ -16,6 +16,14 @@ void check_size(int width, int height) {
 
 Scene scene_in(const std::string& file) { return scene_from_bytes(MappedFile::open(file)->bytes()); }
 
+void require_hash(PosedScene& posed, const std::optional<WantedPose>& wanted, const std::string& scene) {
+  if (!wanted || posed.hash() == wanted->hash) return;
+  throw Error(
+      "scene {} at {} s of animation {} is posed differently by two programs: its positions have the hash {} here, and {} in "
+      "the program that asks",
+      scene, wanted->at.seconds, wanted->at.animation, posed.hash(), wanted->hash);
+}
+
 RequestedFrame requested_frame(const GoRequest& request, const Scene& scene) {
   check_size(request.width, request.height);
   RequestedFrame requested{.key = {.view = {}, .width = request.width, .height = request.height, .truth = request.truth},
@@ -48,21 +56,27 @@ RequestedFrame requested_frame(const GoRequest& request, const Scene& scene) {
 Done RequestedTraces::make(const TraceRequest& request) {
   if (!tracer_) {
     scene_ = scene_in(request.scene);
+    posed_.emplace(scene_);
     tracer_.emplace(scene_);
   }
+  posed_->go_to(row_pose(request.pose));
+  require_hash(*posed_, request.pose, scene_.name);
   const Scene holder = scene_in(request.light_and_view);
   check_size(request.width, request.height);
   if (!(request.error >= 1e-6)) throw Error("a reference's error = {} is below 1e-6", request.error);
   SharedCount done(request.done);
-  MissingFrame missing{
-      .scene_file = {},
-      .key = {.view = holder.views.at(0), .width = request.width, .height = request.height, .truth = request.truth},
-      .light = {},
-      .gbuffer_file = request.gbuffer,
-      .target = {.error = request.error, .cap = request.cap},
-      .subpixel_bits = request.subpixel_bits,
-      .global_samples = request.global_samples,
-      .done = &done.value()};
+  MissingFrame missing{.scene_file = {},
+                       .key = {.view = holder.views.at(0),
+                               .width = request.width,
+                               .height = request.height,
+                               .truth = request.truth,
+                               .pose = request.pose},
+                       .light = {},
+                       .gbuffer_file = request.gbuffer,
+                       .target = {.error = request.error, .cap = request.cap},
+                       .subpixel_bits = request.subpixel_bits,
+                       .global_samples = request.global_samples,
+                       .done = &done.value()};
   if (!holder.lights.empty()) missing.light = holder.lights[0];
   write_file(request.out, tracer_->make(missing));
   return {};

@@ -18,6 +18,12 @@ void check_size(int width, int height);
 RequestedFrame requested_frame(const GoRequest& request, const Scene& scene);
 /// support_together of a frame's lights, in whose words the channels of a light that are alike are that light.
 Support support_of_row(const std::vector<Light>& lights, const std::vector<Support>& supports);
+inline std::optional<RowPose> row_pose(const std::optional<WantedPose>& wanted) {
+  return wanted ? std::optional(wanted->at) : std::nullopt;
+}
+/// Throws Error, with both hashes, where the positions are others than that program's: masks of different scenes would be
+/// compared. `scene` is its name.
+void require_hash(PosedScene& posed, const std::optional<WantedPose>& wanted, const std::string& scene);
 /// The scene in a file of scene_bytes.
 Scene scene_in(const std::string& file);
 
@@ -29,7 +35,8 @@ class RequestedTraces {
   Done make(const TraceRequest& request);
 
  private:
-  Scene scene_;
+  Scene scene_;  ///< in the pose of the last request
+  std::optional<PosedScene> posed_;
   std::optional<FrameTracer> tracer_;
 };
 

@@ -97,6 +97,7 @@ FrameReply WorkerClient::frame(const FrameRequest& request) {
     write_file(file("light_and_view"), light_and_view_bytes(lights, view));
     question.light_and_view = file("light_and_view").string();
   }
+  question.pose = request.pose;
   pixel_count_ = static_cast<std::size_t>(request.width) * request.height;
   const GoRequest::Reply reply = process_.ask(question, timeout_seconds_);
   fresh_count_ = reply.fresh;
@@ -118,7 +119,7 @@ double WorkerClient::time(Stage stage, int iterations) {
     const int wanted = iterations - done;
     const double patience = timeout_seconds_ + (wanted > 1 ? longest_portion_seconds : 0);
     const TimeRequest::Reply reply = process_.ask(TimeRequest{.stage = stage, .iterations = wanted}, patience);
-    fresh_count_ = static_cast<int>(stage) + 1;
+    fresh_count_ = static_cast<int>(fresh_after(stage)) + 1;
     sum += reply.ms;
     add(other_clocks_.device, reply.device_ms);
     add(other_clocks_.harness, reply.harness_ms);
@@ -146,7 +147,7 @@ void WorkerClient::bring_up(Stage last) {
     if (stage > last) return;
     if (fresh_count_ > static_cast<int>(stage)) continue;
     process_.ask(BringUpRequest{.stage = stage}, timeout_seconds_);
-    fresh_count_ = static_cast<int>(stage) + 1;
+    fresh_count_ = static_cast<int>(fresh_after(stage)) + 1;
   }
 }
 

@@ -38,6 +38,7 @@ struct FrameRequest {
   int width = 0, height = 0;
   Truth truth = Truth::shape;
   std::variant<SceneLightAndView, FreeLightAndView> seen;
+  std::optional<WantedPose> pose = {};  ///< nothing: meshes are at rest
 };
 
 /// The technique's support of a frame, before it does anything.
@@ -84,7 +85,7 @@ class WorkerClient {
   void set(const std::string& settings);
   FrameReply frame(const FrameRequest& request);
 
-  /// Stages that are up to date, from setup on: 0 .. 4.
+  /// Stages that are up to date, from setup on: 0 .. 5. After build update is, too.
   int fresh_count() const { return fresh_count_; }
   /// Does one stage so many times more, those before it untimed where they are out of date. Milliseconds of all iterations
   /// together by the worker's own clock. They are one request, or a few where they take long: each answer may take

@@ -30,8 +30,8 @@ class TimedBarePass {
 /// that break this rule.
 class StagedInputs {
  public:
-  /// Before the clock of a stage starts. Geometry that changed is uploaded by the technique's build; the inputs of the picture
-  /// are uploaded before resolve.
+  /// Before the clock of a stage starts. All geometry is uploaded by the technique's build, positions that moved by its update,
+  /// which finds the rest where it was; the inputs of the picture are uploaded before resolve.
   void prepare(Stage stage, const std::set<const Scene*>& scenes, const GBuffer& gbuffer) {
     for (const Scene* const scene : scenes) {
       if (stage == Stage::build) forget_scene(*scene);

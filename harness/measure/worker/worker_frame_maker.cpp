@@ -25,9 +25,10 @@ std::filesystem::path WorkerFrameMaker::file(const char* ending) {
 std::vector<std::byte> WorkerFrameMaker::make(const MissingFrame& missing) {
   const std::vector<Light> lights = missing.light ? std::vector{*missing.light} : std::vector<Light>();  // none: a G-buffer
   const std::vector<std::byte> view_and_light = light_and_view_bytes(lights, missing.key.view);
-  const std::string frame = fmt::format("{} {} {} {} {} {} {} {}", content_hash(view_and_light), missing.key.width,
-                                        missing.key.height, name(missing.key.truth), missing.target.error, missing.target.cap,
-                                        missing.subpixel_bits, missing.global_samples);
+  const std::string frame =
+      fmt::format("{} {} {} {} {} {} {} {} {}", content_hash(view_and_light), missing.key.width, missing.key.height,
+                  name(missing.key.truth), missing.target.error, missing.target.cap, missing.subpixel_bits,
+                  missing.global_samples, missing.key.pose ? missing.key.pose->hash : "at rest");
   if (const auto failure = failures_.find(frame); failure != failures_.end()) throw WorkerFailure(failure->second);
   write_file(file("view_and_light"), view_and_light);
   const TraceRequest request{.scene = missing.scene_file.string(),
@@ -40,7 +41,8 @@ std::vector<std::byte> WorkerFrameMaker::make(const MissingFrame& missing) {
                              .error = missing.target.error,
                              .cap = missing.target.cap,
                              .subpixel_bits = missing.subpixel_bits,
-                             .global_samples = missing.global_samples};
+                             .global_samples = missing.global_samples,
+                             .pose = missing.key.pose};
   try {
     try {
       return ask(request, missing);

@@ -41,7 +41,6 @@ Done make_scene(const MakeSceneRequest& request) {
   const auto generator = scene_named(request.scene).make();
   generator->apply(request.settings);
   Scene scene = generator->make();
-  if (scene.motion) scene.notes.push_back("its animations are left out: scenes of plugins stand still");
   write_file(request.out, scene_bytes(scene));
   return {};
 }

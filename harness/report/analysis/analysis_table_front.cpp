@@ -200,7 +200,8 @@ Tables front_tables(std::span<const Record> records, const AnalysisOptions& opti
 
 Tables best_tables(std::span<const Record> records, const AnalysisOptions& options, Format) {
   if (options.cost == Cost::bytes)
-    throw Error("--cost bytes is for front; best takes resolve, light or geometry, and budgets of memory by --memories");
+    throw Error(
+        "--cost bytes is for front; best takes resolve, light, geometry or motion, and budgets of memory by --memories");
   const std::vector<Field> fields = find_fields(records, {.error = options.metric, .cost = options.cost});
   const BestColumns columns{quantity_column(options.metric), quantity_column("resolve_ms"), quantity_column("bytes")};
   const bool with_floor = has_floor(fields);

@@ -2,9 +2,49 @@
 
 namespace gnomon::analysis {
 
-Tables motion_tables(std::span<const Record> records, const AnalysisOptions& options, Format) {
+namespace {
+
+Place place_of_motion(const PathErrors& motion) { return place_of(*motion.record); }
+
+bool has_over_time(std::span<const PathErrors> motions) { return std::ranges::any_of(motions, &PathErrors::has_over_time); }
+
+void add_over_time_columns(Layout& table) {
+  for (const std::string& metric : names_over_time()) table.columns.push_back(quantity_column(metric));
+}
+
+void add_over_time_cells(Cells& cells, const PathErrors& motion) {
+  for (const std::optional<double>& value : motion.over_time) cells.push_back(value ? Cell{.value = *value} : Cell{});
+}
+
+/// For people, beside the table of the frames, which would be too wide with it.
+Layout over_time_table(const std::vector<PathErrors>& motions) {
+  Layout table;
+  table.title = "Along paths: errors over time";
+  table.columns = place_columns();
+  table.columns.push_back(text_column("setting", "technique"));
+  add_over_time_columns(table);
+  std::vector<PathErrors> shown;
+  std::ranges::copy_if(motions, std::back_inserter(shown), &PathErrors::has_over_time);
+  add_groups(table, shown, place_of_motion, [](const PathErrors& motion) {
+    Cells cells = place_cells(place_of_motion(motion));
+    cells.push_back(text_cell(setting_name(*motion.record)));
+    add_over_time_cells(cells, motion);
+    return cells;
+  });
+  table.notes = {
+      "flicker: root mean square of what the error changes by in 1/60, 1/15 and 1/4 s; temporal sd: its standard deviation",
+      "flips per second and pixel: false: the reference does not flip that way within 0.1 s; late: it does, in another frame",
+      "steady: share of the pixels tested in the first frame that show one surface point and are tested in all frames"};
+  return table;
+}
+
+}  // namespace
+
+Tables motion_tables(std::span<const Record> records, const AnalysisOptions& options, Format format) {
   const std::vector<PathErrors> motions = find_motion(records, options.metric);
   const Column error = quantity_column(options.metric), instability = quantity_column("instability");
+  const bool is_for_programs = format == Format::csv || format == Format::json;
+  const bool in_one_table = is_for_programs && has_over_time(motions);
   Layout table;
   table.title = fmt::format("Along paths: instability, and {} of every frame", with_unit(error));
   table.columns = place_columns();
@@ -14,9 +54,9 @@ Tables motion_tables(std::span<const Record> records, const AnalysisOptions& opt
        lengthened(instability, "_max", "max"), whole_column("instability_frame", "", "at frame"),
        lengthened(error, "_mean", "mean"), lengthened(error, "_min", "min"), lengthened(error, "_max", "max"),
        whole_column(options.metric + "_frame", "", "worst at frame")});
-  const auto place = [](const PathErrors& motion) { return place_of(*motion.record); };
-  add_groups(table, motions, place, [&](const PathErrors& motion) {
-    Cells cells = place_cells(place(motion));
+  if (in_one_table) add_over_time_columns(table);
+  add_groups(table, motions, place_of_motion, [&](const PathErrors& motion) {
+    Cells cells = place_cells(place_of_motion(motion));
     cells.push_back(text_cell(setting_name(*motion.record)));
     cells.push_back({.value = static_cast<double>(motion.frames)});
     const auto add = [&](const std::optional<PathErrors::Range>& range,
@@ -26,11 +66,14 @@ Tables motion_tables(std::span<const Record> records, const AnalysisOptions& opt
     };
     add(motion.instability, {&PathErrors::Range::mean, &PathErrors::Range::greatest});
     add(motion.error, {&PathErrors::Range::mean, &PathErrors::Range::least, &PathErrors::Range::greatest});
+    if (in_one_table) add_over_time_cells(cells, motion);
     return cells;
   });
   table.notes = {"instability: share of the tested pixels that flip from one frame to the next where the reference does not",
                  "frames are counted from 0"};
-  return {table};
+  Tables tables{std::move(table)};
+  if (!is_for_programs && has_over_time(motions)) tables.push_back(over_time_table(motions));
+  return tables;
 }
 
 }  // namespace gnomon::analysis

@@ -7,6 +7,7 @@ namespace gnomon {
 
 struct FigureOptions {
   AnalysisOptions analysis = {};
+  Cost bars = Cost::geometry;  ///< stages: what a bar is the sum of
   std::string title = {};
   double width_cm = 16;
 };

@@ -115,6 +115,13 @@ struct Piece {
   std::vector<double> lengths = {};  ///< one a bar
 };
 
+/// "build, relight and resolve".
+std::string with_and(std::vector<std::string> words) {
+  const std::string last = words.back();
+  words.pop_back();
+  return words.empty() ? last : fmt::format("{} and {}", joined(words, ", "), last);
+}
+
 /// The boxes of each piece behind those of the pieces before it.
 PlotCommand plot_pieces(std::span<const Piece> pieces, FigureScript& script) {
   PlotCommand plot;
@@ -135,28 +142,34 @@ PlotCommand plot_pieces(std::span<const Piece> pieces, FigureScript& script) {
 }  // namespace
 
 void draw_stages(std::span<const Record> records, FigureScript& script) {
-  static constexpr std::span stages(timed_stages);
-  static constexpr std::array colors{"#e69f00", "#56b4e9", "#009e73"};
-  Bars places = bars_of(records, [](const Record& r) { return sample_of(r, stages).is_timed(); });
+  static constexpr std::array colors{"#cc79a7", "#e69f00", "#d55e00", "#56b4e9", "#009e73"};  // by stage
+  static_assert(colors.size() == std::size(all_stages));
+  const std::span<const TimedPart> parts = parts_of(script.options.bars);
+  if (parts.empty())
+    throw Error("--cost {} has no stages: bars are of resolve, light, geometry or motion", name(script.options.bars));
+  Bars places = bars_of(records, [&](const Record& r) { return sample_of(r, parts).is_timed(); });
   std::vector<Bar>& bars = places.all;
   std::erase_if(bars, [](const Bar& bar) { return bar.role == Role::baseline; });
-  if (bars.empty()) throw Error("there is nothing to draw: no place has build, relight and resolve of every setting");
-
   std::vector<Piece> pieces;
-  for (std::size_t stage = 0; stage < stages.size(); ++stage)
-    pieces.push_back({std::string(name(stages[stage])), colors[stage]});
+  std::vector<std::string> names;
+  for (const TimedPart part : parts) {
+    names.push_back(with_blanks(name(part)));
+    pieces.push_back({names.back(), colors[static_cast<std::size_t>(part.stage)]});
+  }
+  if (bars.empty()) throw Error("there is nothing to draw: no place has {} of every setting", with_and(names));
+
   std::vector<std::string> totals;
   for (const Bar& bar : bars) {
     std::vector<Sample> samples;
-    for (const Record* row : bar.rows) samples.push_back(sample_of(*row, stages));
+    for (const Record* row : bar.rows) samples.push_back(sample_of(*row, parts));
     const ValueWithInterval total = bootstrap(samples, [](std::span<const double> values) {
       return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
     });
     totals.push_back(fmt::format("{}\t{}\t{}\t{}", total.value, totals.size() + 1, total.low, total.high));
-    for (std::size_t stage = 0; stage < stages.size(); ++stage) {
-      double& mean = pieces[stage].lengths.emplace_back(0);
+    for (std::size_t k = 0; k < parts.size(); ++k) {
+      double& mean = pieces[k].lengths.emplace_back(0);
       for (const Record* row : bar.rows)
-        mean += *median_of_medians(row->times(stages[stage])) / static_cast<double>(bar.rows.size());
+        mean += *median_of_medians(times_of(*row, parts[k])) / static_cast<double>(bar.rows.size());
     }
   }
   PlotCommand plot = plot_pieces(pieces, script);

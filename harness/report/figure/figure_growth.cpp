@@ -53,7 +53,10 @@ DrawnGrowths choose(const Growths& growths, double scale) {
       drawn.y.add(scale * point.value.high);
     }
   }
-  const auto rank = [](const std::string& stage) { return std::ranges::find(stage_names, stage) - stage_names; };  // total last
+  const auto rank = [](const std::string& stage) {  // total last
+    const auto is_it = [&](TimedPart part) { return name(part) == stage; };
+    return std::ranges::find_if(all_parts, is_it) - std::begin(all_parts);
+  };
   std::ranges::sort(drawn.stages, {}, rank);
   return drawn;
 }

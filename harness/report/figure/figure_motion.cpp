@@ -1,45 +1,115 @@
-// A metric at every frame of a path, one panel for each scene, light and path.
+// A metric at every frame of a path, one panel for each scene, light and path; where the camera stands still a second panel has
+// the flicker by its lag.
+#include "measure/score/over_time.h"
 #include "report/figure/figure_script.h"
 
 namespace gnomon {
 
-void draw_motion(std::span<const Record> records, FigureScript& script) {
-  const std::string& metric = script.options.analysis.metric;
-  const std::vector<PathErrors> motions = find_motion(records, metric);
-  const Column column = quantity_column(metric);
+namespace {
+
+struct Panel {
+  std::string title;
+  PlotCommand plot = {};
+};
+
+/// The rows of a figure, and what their curves look like.
+struct Motions {
+  std::vector<PathErrors> rows;  ///< of contenders
   std::vector<Place> places;
   std::vector<std::string> settings;
-  for (const PathErrors& motion : motions) {
-    if (motion.record->role != Role::contender) continue;
-    add_once(places, place_of(*motion.record));
-    add_once(settings, setting_name(*motion.record));
-  }
-  if (places.empty()) throw Error("there is nothing to draw: no contender follows a path");
-  require_panels(places.size(), "scenes, lights and paths");
-  const auto style = [](std::size_t k) {
-    return fmt::format("with linespoints pt {} ps 0.5 lw 1.3 lc rgb '{}'", series_mark(k), series_color(k));
-  };
-  for (std::size_t k = 0; k < settings.size(); ++k) script.legend.push_back({style(k), settings[k]});
 
-  std::vector<PlotCommand> plots(places.size());
-  std::size_t last = 1;
-  for (const PathErrors& motion : motions) {
-    last = std::max(last, motion.frames - 1);
-    const auto found = motion.record->frames.find(metric);
-    if (motion.record->role != Role::contender || found == motion.record->frames.end()) continue;
+  std::string style(std::size_t setting) const {
+    return fmt::format("with linespoints pt {} ps 0.5 lw 1.3 lc rgb '{}'", series_mark(setting), series_color(setting));
+  }
+  std::string style(const PathErrors& row) const { return style(index_of(settings, setting_name(*row.record))); }
+  std::size_t place(const PathErrors& row) const { return index_of(places, place_of(*row.record)); }
+};
+
+Motions motions_of(std::span<const Record> records, const std::string& metric) {
+  Motions motions;
+  for (PathErrors& motion : find_motion(records, metric)) {
+    if (motion.record->role != Role::contender) continue;
+    add_once(motions.places, place_of(*motion.record));
+    add_once(motions.settings, setting_name(*motion.record));
+    motions.rows.push_back(std::move(motion));
+  }
+  return motions;
+}
+
+std::vector<Panel> panels_of(const Motions& motions) {
+  std::vector<Panel> panels;
+  for (const Place& place : motions.places) panels.push_back({title(place, motions.places)});
+  return panels;
+}
+
+/// The metric by frame, one panel for each place.
+std::vector<Panel> frame_panels(const Motions& motions, const Column& column, FigureScript& script) {
+  std::vector<Panel> panels = panels_of(motions);
+  for (const PathErrors& motion : motions.rows) {
+    const auto found = motion.record->frames.find(column.name);
+    if (found == motion.record->frames.end()) continue;
     std::vector<std::string> lines;
     for (std::size_t frame = 0; frame < found->second.size(); ++frame)
       if (const auto& value = found->second[frame]) lines.push_back(fmt::format("{}\t{}", frame, *value * column.shown_scale));
     if (lines.empty()) continue;
-    plots[index_of(places, place_of(*motion.record))].add("{} using 1:2 {} notitle", script.data(lines),
-                                                          style(index_of(settings, setting_name(*motion.record))));
+    panels[motions.place(motion)].plot.add("{} using 1:2 {} notitle", script.data(lines), motions.style(motion));
   }
-  const std::size_t columns =
-      open_panels(script, places.size(), 2, script.options.width_cm * (places.size() == 1 ? 0.5 : 0.36));
+  return panels;
+}
+
+/// Flicker by lag, one panel for each place where a row has it.
+std::vector<Panel> flicker_panels(const Motions& motions, const Column& column, FigureScript& script) {
+  std::vector<Panel> panels = panels_of(motions);
+  for (const PathErrors& motion : motions.rows) {
+    std::vector<std::string> lines;
+    for (const FlickerMetric& flicker : flicker_metrics)
+      if (const std::optional<double> value = motion.record->metric(flicker.name))
+        lines.push_back(fmt::format("{}\t{}", flicker.sixtieths / 60.0, *value * column.shown_scale));
+    if (lines.empty()) continue;
+    panels[motions.place(motion)].plot.add("{} using 1:2 {} notitle", script.data(lines), motions.style(motion));
+  }
+  std::erase_if(panels, [](const Panel& panel) { return panel.plot.is_empty(); });
+  return panels;
+}
+
+std::string flicker_tics() {
+  std::vector<std::string> tics;
+  for (const FlickerMetric& flicker : flicker_metrics)
+    tics.push_back(fmt::format("'{}' {}", flicker.lag, flicker.sixtieths / 60.0));
+  return joined(tics, ", ");
+}
+
+}  // namespace
+
+void draw_motion(std::span<const Record> records, FigureScript& script) {
+  const std::string& metric = script.options.analysis.metric;
+  const Motions motions = motions_of(records, metric);
+  if (motions.places.empty()) throw Error("there is nothing to draw: no contender follows a path");
+  const Column column = quantity_column(metric), flicker = quantity_column(std::string(flicker_metrics[0].name));
+  const std::vector<Panel> by_frame = frame_panels(motions, column, script);
+  const std::vector<Panel> by_lag = flicker_panels(motions, flicker, script);
+  const std::size_t count = by_frame.size() + by_lag.size();
+  require_panels(count, by_lag.empty() ? "scenes, lights and paths" : "scenes, lights and paths, two of each");
+  for (std::size_t k = 0; k < motions.settings.size(); ++k) script.legend.push_back({motions.style(k), motions.settings[k]});
+
+  std::size_t last = 1;
+  for (const PathErrors& motion : motions.rows) last = std::max(last, motion.frames - 1);
+  const std::size_t columns = open_panels(script, count, 2, script.options.width_cm * (count == 1 ? 0.5 : 0.36));
   script.add("set xrange [0:{}]; set yrange [0:*]; set xlabel 'frame' offset 0,0.4", last);
-  for (std::size_t panel = 0; panel < places.size(); ++panel) {
-    open_panel(script, title(places[panel], places), panel % columns == 0 ? axis_label(column) : "");
-    plots[panel].into(script);
+  std::size_t panel = 0;
+  const auto draw = [&](const std::vector<Panel>& panels, const std::string& label) {
+    for (const Panel& one : panels) {
+      open_panel(script, one.title, panel % columns == 0 || &one == &panels.front() ? label : "");
+      one.plot.into(script);
+      ++panel;
+    }
+  };
+  draw(by_frame, axis_label(column));
+  if (!by_lag.empty()) {
+    script.add("set logscale x; set xrange [{}:{}]; set xtics ({}); set xlabel 'lag (s)' offset 0,0.4",
+               std::begin(flicker_metrics)->sixtieths / 60.0 / 1.4, std::end(flicker_metrics)[-1].sixtieths / 60.0 * 1.4,
+               flicker_tics());
+    draw(by_lag, fmt::format("flicker ({})", flicker.shown_unit));
   }
   close_panels(script);
 }

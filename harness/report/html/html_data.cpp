@@ -22,14 +22,16 @@ struct Event {
   Cost cost;
   const char* heading;
 };
-constexpr Event events[] = {
-    {Cost::resolve, "camera moves"}, {Cost::light, "light moves"}, {Cost::geometry, "geometry changes"}};
+constexpr Event events[] = {{Cost::resolve, "camera moves"},
+                            {Cost::light, "light moves"},
+                            {Cost::motion, "geometry moves"},
+                            {Cost::geometry, "another scene"}};
 
 Json finite(double value) { return std::isfinite(value) ? Json(value) : Json(); }
 
 /// [value, low, high] in milliseconds, [value] without an interval, null without a time.
-Json time_json(const Record& record, std::span<const Stage> stages) {
-  const Sample sample = sample_of(record, stages);
+Json time_json(const Record& record, std::span<const TimedPart> parts) {
+  const Sample sample = sample_of(record, parts);
   if (!sample.is_timed()) return {};
   const ValueWithInterval time = sample.estimate();
   if (!std::isfinite(time.value)) return {};
@@ -77,8 +79,13 @@ Json row_json(const Layout& layout, const Layout::Row& row, std::size_t group, c
     if (row.cells[k].is_flagged) flagged.push_back(k);
   }
   Json stages = Json::object(), costs = Json::object();
-  for (const Stage stage : all_stages) stages[std::string(name(stage))] = time_json(r, std::span(&stage, 1));
-  for (const Event& event : events) costs[std::string(name(event.cost))] = time_json(r, stages_of(event.cost));
+  for (const TimedPart& part : all_parts) {
+    const bool is_told = (part != Stage::update && !part.is_moving) || moves_geometry(r);
+    if (is_told) stages[std::string(name(part))] = time_json(r, std::span(&part, 1));
+  }
+  for (const Event& event : events)
+    if (event.cost != Cost::motion || moves_geometry(r))
+      costs[std::string(name(event.cost))] = time_json(r, parts_of(event.cost));
   Json frames = Json::object();
   for (const auto& [metric, series] : r.frames) {
     Json& out = frames[metric] = Json::array();
@@ -125,7 +132,7 @@ Json report_data(const Layout& layout, std::span<const Record> records) {
   const std::vector<std::string> names = headline_columns(records, true);
   const std::set<std::string> headline(names.begin(), names.end());
   for (const Column& column : layout.columns) data["columns"].push_back(column_json(column, headline.contains(column.name)));
-  data["stages"] = stage_names;
+  for (const TimedPart part : all_parts) data["stages"].push_back(name(part));
   data["groups"] = data["rows"] = Json::array();
   const std::vector<CauseInfo> causes = page_causes(layout);
   const std::map<std::string, std::string> families = scene_families(records);

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <optional>
 
 #include "analysis/in_order.h"
@@ -11,6 +12,7 @@
 #include "measure/picture/shading.h"
 #include "measure/record/scene_place.h"
 #include "measure/row/kept_row.h"
+#include "measure/scene/blob.h"
 #include "measure/scene/load.h"
 #include "measure/worker/worker_frame_maker.h"
 #include "report/html/html_parts.h"
@@ -82,18 +84,34 @@ class Frames {
   void open(const std::string& reference) {
     if (scene_ && reference_ == reference) return;
     store_.reset();
+    posed_.reset();
+    hashes_.clear();
     scene_.reset();
     scene_ = std::make_unique<Scene>(load_scene(reference));
+    posed_.emplace(*scene_);
     store_.emplace(*scene_, cache_root() / "frames", std::make_unique<WorkerFrameMaker>());
     reference_ = reference;
   }
   const Scene& scene() const { return *scene_; }
   FrameStore& store() { return *store_; }
+  /// The place of a row's masks; the scene is then in the pose of that frame.
+  KeptPlace place(const Record& r) { return kept_place(r, *scene_, r.truth, &*posed_); }
+  /// What the record's scene_hash would be today.
+  const std::string& hash(const Record& r) {
+    const std::vector<std::string> lights = light_names(r);
+    if (!r.start) return store_->scene_hash(lights);
+    std::string& hash = hashes_[lights];
+    if (!hash.empty()) return hash;
+    posed_->go_to(std::nullopt);
+    return hash = scene_hash(*scene_, lights, WithMotion::yes);
+  }
 
  private:
   std::string reference_;
   std::unique_ptr<Scene> scene_;
+  std::optional<PosedScene> posed_;
   std::optional<FrameStore> store_;
+  std::map<std::vector<std::string>, std::string> hashes_;  ///< of rows whose geometry moves, by lights
 };
 
 class Collector {
@@ -142,7 +160,7 @@ class Collector {
   /// The pictures that all rows of a group share; under several lights those of all together and those of each light.
   Json frame(const Record& r, bool with_irradiance) {
     const Scene& scene = frames_.scene();
-    MeasuredRow row = kept_row(r, dir_ / *r.mask, "V", kept_place(r, scene, r.truth), frames_.store());
+    MeasuredRow row = kept_row(r, dir_ / *r.mask, "V", frames_.place(r), frames_.store());
     put_together(row, scene, true);
     if (!row.together) return frame_of(row.lights.front(), with_irradiance);
     const Together& all = *row.together;
@@ -198,13 +216,13 @@ class Collector {
   Json row(const Record& r) {
     const std::string what = fmt::format("{}, light {}, {}", r.scene, r.light, r.label.value_or(r.technique));
     const std::string hash = context_text(r, "scene_hash");
-    if (hash != frames_.store().scene_hash(light_names(r))) {
+    if (hash != frames_.hash(r)) {
       note("scene " + r.scene, hash.empty() ? "its records do not say which scene was measured"
                                             : "the scene is not the one that was measured: its content has changed");
       return {};
     }
     try {
-      MeasuredRow row = kept_row(r, dir_ / *r.mask, "V", kept_place(r, frames_.scene(), r.truth), frames_.store());
+      MeasuredRow row = kept_row(r, dir_ / *r.mask, "V", frames_.place(r), frames_.store());
       for (std::size_t k = 0; k < r.lights.size(); ++k)
         if (r.lights[k].causes) take_causes(r, row.lights[k].answer, r.lights[k]);
       put_together(row, frames_.scene(), true);

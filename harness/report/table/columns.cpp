@@ -1,7 +1,5 @@
 #include "report/table/columns.h"
 
-#include <memory>
-
 #include "analysis/in_order.h"
 #include "measure/frame/classify.h"
 #include "measure/json.h"
@@ -21,9 +19,6 @@ Column bytes_column(std::string name, std::string heading, CellOf cell) {
   column.shown_scale = 1 / mebibyte;
   return column;
 }
-
-/// The number of something; 0 is null: there is none.
-Cell count_cell(std::size_t count) { return count > 0 ? Cell{.value = static_cast<double>(count)} : Cell{}; }
 
 /// Label, else id with settings: what distinguishes two rows of a group.
 Cell technique_cell(const Record& r) { return {.value = r.technique, .shown = setting_name(r)}; }
@@ -49,6 +44,8 @@ void add_identity(std::vector<Column>& columns) {
   columns.push_back(whole_column("light_count", "", "lights", [](const Record& r) { return count_cell(light_count(r)); }));
   columns.push_back(text_column("view", "view", [](const Record& r) { return text_cell(r.view); }));
   columns.push_back(text_column("path", "path", [](const Record& r) { return text_cell(r.path); }));
+  columns.push_back(number_column("start", "s", "start", [](const Record& r) { return number(r.start); }));
+  columns.push_back(number_column("frame_rate", "Hz", "frame rate", [](const Record& r) { return number(r.frame_rate); }));
   columns.push_back(whole_column("frames", "", "frames", [](const Record& r) {
     std::size_t most = 0;
     for (const auto& [metric, values] : r.frames) most = std::max(most, values.size());
@@ -64,83 +61,6 @@ void add_identity(std::vector<Column>& columns) {
   columns.push_back(text_column("status", "status", [](const Record& r) { return text_cell(name(r.status)); }));
   columns.push_back(text_column("support", "support", support_cell));
   columns.push_back(text_column("reason", "reason", [](const Record& r) { return text_cell(r.reason); }));
-}
-
-/// Intervals by times, each computed once: the columns of both ends need the same one.
-using Intervals = std::map<ProcessTimes, std::optional<Estimate>>;
-
-std::optional<Estimate> interval_of(const ProcessTimes& times, Intervals& known) {
-  constexpr std::size_t most_known = 1000;  // those of a group of rows
-  if (known.size() >= most_known) known.clear();
-  const auto [found, is_new] = known.try_emplace(times);
-  if (is_new) found->second = bootstrap(times);
-  return found->second;
-}
-
-/// Median absolute deviation of the process medians: how far one process is from another.
-std::optional<double> spread(const ProcessTimes& times) {
-  std::vector<double> medians;
-  for (const std::vector<double>& process : times)
-    if (!process.empty()) medians.push_back(median(process));
-  return medians.size() < 2 ? std::nullopt : std::optional(median_absolute_deviation(medians));
-}
-
-void add_times(std::vector<Column>& columns) {
-  for (const Stage stage : all_stages) {
-    const std::string stage_name(name(stage));
-    const auto add = [&](const char* suffix, const char* heading) -> Column& {
-      columns.push_back(number_column(stage_name + "_ms" + suffix, "ms", stage_name + heading));
-      return columns.back();
-    };
-    const auto intervals = std::make_shared<Intervals>();
-    const auto add_end = [&](const char* suffix, const char* heading, double Estimate::*end) {
-      add(suffix, heading).cell = [intervals, stage, end](const Record& r) {
-        const std::optional<Estimate> estimate = interval_of(r.times(stage), *intervals);
-        return estimate ? Cell{.value = (*estimate).*end} : Cell{};
-      };
-    };
-    Column& median = add("", "");
-    median.better = "lower";
-    median.cell = [stage](const Record& r) { return number(median_of_medians(r.times(stage))); };
-    median.log_time = [stage](const Record& r) { return log_time(r.times(stage)); };
-    add_end("_low", " low", &Estimate::low);
-    add_end("_high", " high", &Estimate::high);
-    add("_mad", " MAD").cell = [stage](const Record& r) { return number(spread(r.times(stage))); };
-  }
-  for (const Stage stage : all_stages) {
-    columns.push_back(number_column(fmt::format("{}_device_ms", name(stage)), "ms", fmt::format("{} on device", name(stage))));
-    columns.back().cell = [stage](const Record& r) { return number(median_of_medians(r.device_times(stage))); };
-  }
-  for (const Stage stage : all_stages) {
-    columns.push_back(
-        number_column(fmt::format("{}_harness_ms", name(stage)), "ms", fmt::format("{} by harness", name(stage))));
-    columns.back().cell = [stage](const Record& r) { return number(median_of_medians(r.harness_times(stage))); };
-  }
-  columns.push_back(text_column("floor", "bare pass", [](const Record& r) { return text_cell(r.floor ? r.floor->pass : ""); }));
-  columns.back().sentence = "The barest pass that the technique cannot do without, as its data sheet says.";
-  columns.push_back(number_column("floor_ms", "ms", "bare pass",
-                                  [](const Record& r) { return r.floor ? number(median_of_medians(r.floor->ms)) : Cell{}; }));
-  columns.push_back(number_column("floor_device_ms", "ms", "bare pass on device", [](const Record& r) {
-    return r.floor ? number(median_of_medians(r.floor->device_ms)) : Cell{};
-  }));
-  columns.push_back(share_column("floor_share", "bare share", [](const Record& r) { return number(floor_share(r)); }));
-  columns.back().sentence =
-      "What part of a frame (relight and resolve) its bare pass takes, by the device's clock where there is one.";
-  columns.push_back(text_column("clocks", "clocks", [](const Record& r) {
-    const std::optional<bool> agree = clocks_agree(r);
-    return text_cell(!agree ? "" : *agree ? "agree" : "disagree");
-  }));
-  columns.back().sentence =
-      "Whether the device's clock and the host's can both be right: nothing takes longer by the device's, and a bare pass not "
-      "half as long.";
-  columns.push_back(
-      whole_column("processes", "", "processes", [](const Record& r) { return count_cell(r.times(Stage::resolve).size()); }));
-  columns.push_back(whole_column("repetitions", "", "repetitions", [](const Record& r) {
-    std::size_t most = 0;
-    for (const std::vector<double>& process : r.times(Stage::resolve)) most = std::max(most, process.size());
-    return count_cell(most);
-  }));
-  columns.push_back(text_column("stop", "stopped by", [](const Record& r) { return text_cell(r.stop); }));
 }
 
 void add_memory(std::vector<Column>& columns) {
@@ -261,6 +181,8 @@ Column for_programs(Column column) {
 }
 
 Cell text_cell(std::string_view text) { return text.empty() ? Cell{} : Cell{.value = std::string(text)}; }
+
+Cell count_cell(std::size_t count) { return count > 0 ? Cell{.value = static_cast<double>(count)} : Cell{}; }
 
 std::vector<Column> all_columns(std::span<const Record> records) {
   std::vector<Column> columns;

@@ -52,17 +52,22 @@ Column for_programs(Column column);
 
 /// Empty text is null.
 Cell text_cell(std::string_view text);
+/// The number of something; 0 is null: there is none.
+Cell count_cell(std::size_t count);
 /// Nothing, NaN and infinity are null.
 template <class T>
 Cell number(const std::optional<T>& value) {
   return value && std::isfinite(static_cast<double>(*value)) ? Cell{.value = static_cast<double>(*value)} : Cell{};
 }
 
-/// Every column that the records can fill: identity, times with their intervals, memory, metrics against the headline truth
+/// Every column that the records can fill: identity, times of stages and of motion with their intervals, memory, metrics
+/// against the headline truth
 /// (`wrong_rate`) and against each (`shape.wrong_rate`, `mesh.wrong_rate`), causes of wrong pixels (`cause.acne`; those of a
 /// technique's own where its rows occur), pixel classes (`class.T`), and one for each parameter (`parameter.resolution`) and
 /// count (`count.texels`) that occurs.
 std::vector<Column> all_columns(std::span<const Record> records);
+/// Of these the times.
+void add_times(std::vector<Column>& columns);
 /// Of these the metrics, against the headline truth and against each.
 void add_metrics(std::vector<Column>& columns);
 /// Of a row of several lights the error of the one that is worst.

@@ -12,6 +12,7 @@ namespace {
 std::string heading_of(std::string metric) {
   if (metric == "constant_error") return "constant";
   if (metric == "other_error_mean") return "other error";
+  if (metric.starts_with("flicker_1_")) return "flicker 1/" + metric.substr(10);  // at a lag of so much of a second
   if (metric.ends_with("_rate")) metric.resize(metric.size() - 5);
   if (const std::size_t rate = metric.find("_rate_"); rate != metric.npos) metric.erase(rate, 5);
   if (metric.starts_with("displacement")) metric.replace(0, 12, "displ.");

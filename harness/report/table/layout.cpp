@@ -18,6 +18,7 @@ std::string group_heading(const Record& r) {
   if (!r.light_kind.empty() && r.light_kind != r.light) text += fmt::format(" ({})", r.light_kind);
   if (!r.view.empty()) text += fmt::format(", view {}", r.view);
   if (!r.path.empty()) text += fmt::format(", path {}", r.path);
+  if (moves_geometry(r)) text += fmt::format(" from {} s at {} Hz", r.start.value_or(0), *r.frame_rate);
   if (r.width > 0) text += fmt::format(", {} x {}", r.width, r.height);
   return text + fmt::format(", {} truth", name(r.truth));
 }
@@ -131,6 +132,17 @@ void add_soft_columns(std::vector<std::string>& names, std::span<const Record> r
               {"other_error_mean", "penumbra_width_ratio", "penumbra_shift", "penumbra_noise", "contact_hardening"});
 }
 
+/// The stages after setup, and where the geometry of some row moves what that costs.
+void add_stage_columns(std::vector<std::string>& names, std::span<const Record> records) {
+  const auto has = [&](std::string_view time) {
+    return std::ranges::any_of(records, [&](const Record& r) { return quantity(r, time).has_value(); });
+  };
+  names.emplace_back("build_ms");
+  if (has("update_ms")) names.emplace_back("update_ms");
+  names.insert(names.end(), {"relight_ms", "resolve_ms"});
+  if (has("motion_ms")) names.emplace_back("motion_ms");
+}
+
 /// What is tested of the pixels that face the light, and what is not, by class.
 void add_class_columns(std::vector<std::string>& names) {
   names.insert(names.end(), {"tested_share", "silhouette_share", "grazing_share", "uncertain_share"});
@@ -150,6 +162,10 @@ void add_shorthands(Layout& layout, std::span<const Record> records, bool has_nu
     say("ms", "median of the medians of the processes");
   if (has("silhouette_share") || has("grazing_share") || has("uncertain_share"))
     say("S, G, U", "shares of the pixels facing the light that are not tested: silhouette, grazing, uncertain");
+  if (std::ranges::any_of(records, moves_geometry)) {
+    add("update_ms", "update", "time in build's place where the geometry moved, mean over frames of the animation");
+    add("motion_ms", "motion", "update, and relight and resolve after it; relight and resolve alone are of the first frame");
+  }
   add("resolve_device_ms", "on device",
       "time by the clock of the OpenGL device; ms alone is by the clock of the host, which waits for the device");
   add("floor_share", "bare share", "share of relight and resolve that the technique's bare pass takes (column floor)");
@@ -180,20 +196,15 @@ void add_shorthands(Layout& layout, std::span<const Record> records, bool has_nu
             : "share of pixels whose reference changes when samples shift by 1/512 pixel; rasterizers cannot do better");
 }
 
-/// "5 processes x 3 repetitions", every combination that occurs in a stage after setup.
-std::string repetition_plan(std::span<const Record> records) {
-  std::vector<std::string> plans;
-  for (const Record& r : records)
-    for (const Stage stage : timed_stages) {
-      std::size_t repetitions = 0;
-      for (const std::vector<double>& process : r.times(stage)) repetitions = std::max(repetitions, process.size());
-      if (repetitions == 0) continue;
-      add_once(plans, fmt::format("{} x {}", r.times(stage).size(), repetitions));
-    }
-  return joined(plans, ", ");
-}
-
 }  // namespace
+
+/// How many values those have that have one.
+static std::size_t value_count(std::span<const Record> records, std::optional<double> Record::*member) {
+  std::set<double> values;
+  for (const Record& r : records)
+    if (r.*member) values.insert(*(r.*member));
+  return values.size();
+}
 
 std::vector<std::string> headline_columns(std::span<const Record> records, bool with_group) {
   const auto varies = [&](auto member) {
@@ -204,11 +215,14 @@ std::vector<std::string> headline_columns(std::span<const Record> records, bool 
     names = {"scene", "light"};
     if (varies(&Record::view)) names.emplace_back("view");
     if (std::ranges::any_of(records, [](const Record& r) { return !r.path.empty(); })) names.emplace_back("path");
+    if (value_count(records, &Record::start) > 1) names.emplace_back("start");
+    if (value_count(records, &Record::frame_rate) > 1) names.emplace_back("frame_rate");
     if (varies(&Record::width) || varies(&Record::height)) names.insert(names.end(), {"width", "height"});
     if (varies(&Record::truth)) names.emplace_back("truth");
     add_known(names, records, {"constant_error"});
   }
-  names.insert(names.end(), {"technique", "support", "setup_ms", "build_ms", "relight_ms", "resolve_ms"});
+  names.insert(names.end(), {"technique", "support", "setup_ms"});
+  add_stage_columns(names, records);
   const auto has_device_times = [](const Record& r) { return !r.device_times(Stage::resolve).empty(); };
   if (std::ranges::any_of(records, has_device_times))
     names.insert(names.end(), {"relight_device_ms", "resolve_device_ms", "floor_share"});
@@ -224,52 +238,14 @@ std::vector<std::string> headline_columns(std::span<const Record> records, bool 
 }
 
 std::vector<std::string> paper_columns(std::span<const Record> records) {
-  std::vector<std::string> names = {"technique", "support", "build_ms", "relight_ms", "resolve_ms", "bytes"};
+  std::vector<std::string> names = {"technique", "support"};
+  add_stage_columns(names, records);
+  names.emplace_back("bytes");
   add_error_columns(names, records);
   if (has_wrong_pixels(records)) names.insert(names.end(), {"false_dark_rate", "false_lit_rate", "displacement_mean"});
   add_soft_columns(names, records);
   add_class_columns(names);
   return names;
-}
-
-/// Which programs measured the rows, where it was more than one; rows without a hash of the code count by their commits.
-std::string mixed_programs(std::span<const Record> records) {
-  std::map<std::string, std::size_t> programs;
-  std::map<std::string, std::set<std::string>> sources;  // by technique and settings
-  for (const Record& r : records) {
-    const std::string build = context_text(r, "build"), commit = context_text(r, "commit");
-    if (!build.empty() || !commit.empty()) ++programs[build.empty() ? "commit " + commit : "build " + build];
-    if (const std::string source = context_text(r, "technique_source"); !source.empty())
-      sources[r.technique + ":" + r.settings].insert(source);
-  }
-  std::vector<std::string> texts;
-  if (programs.size() > 1)
-    for (const auto& [program, rows] : programs)
-      texts.push_back(fmt::format("{} ({} row{})", program, rows, rows == 1 ? "" : "s"));
-  for (const auto& [technique, hashes] : sources)
-    if (hashes.size() > 1) texts.push_back(fmt::format("{} sources of {}", hashes.size(), technique));
-  return texts.empty() ? "" : fmt::format("rows of several programs may not be comparable: {}", joined(texts, ", "));
-}
-
-Remarks provenance(std::span<const Record> records) {
-  Remarks lines;
-  const auto add = [&](const char* topic, std::string text) {
-    lines.emplace_back(topic, text.empty() ? "-" : std::move(text));
-  };
-  add("renderer", joined(context_values(records, "gl_renderer"), "; "));
-  for (const char* key : {"processor", "threads", "version", "commit"}) add(key, joined(context_values(records, key), "; "));
-  if (std::string mixed = mixed_programs(records); !mixed.empty()) add("mixed", std::move(mixed));
-  add("processes x repetitions", repetition_plan(records));
-  const auto has_kept_shaders = [](const Record& r) {
-    return context_text(r, "shaders") == "kept" && !context_text(r, "gl_renderer").empty();
-  };
-  if (const auto kept = std::ranges::count_if(records, has_kept_shaders); kept > 0)
-    add("shaders", fmt::format("kept for {} row{}: their setup compiles none", kept, kept == 1 ? "" : "s"));
-  std::vector<std::string> notes;
-  for (const Record& r : records)
-    for (const std::string& note : r.notes) add_once(notes, fmt::format("{}: {}", r.scene, note));
-  for (const std::string& note : notes) add("note", note);
-  return lines;
 }
 
 Remarks legend(const Layout& layout, const Marks& marks) {

@@ -8,7 +8,6 @@
 
 #include "analysis/front.h"
 #include "analysis/map.h"
-#include "analysis/motion.h"
 #include "analysis_rows.h"
 #include "report/analysis/analysis_table.h"
 
@@ -301,24 +300,6 @@ TEST(map, nothing_to_map_is_an_error) {
   EXPECT_THROW(make_maps(records, {.x = "kk"}), Error);
   EXPECT_THROW(make_maps(records, {.x = "k", .y = "k"}), Error);
   EXPECT_THROW(make_maps(records, {.x = "k", .facet = "k"}), Error);
-}
-
-// --- motion -----------------------------------------------------------------------------------------------------------
-
-TEST(motion, ranges_are_over_the_frames_where_the_metric_is_defined) {
-  Record r = row("a", 1, 1, 0.2);
-  r.path = "camera_slide";
-  r.frames = {{"instability", {std::nullopt, 0.1, 0.3}}, {"error", {0.2, 0.1, 0.3}}};
-  const std::vector<PathErrors> motions = find_motion(std::vector{r, row("still", 1, 1, 0.1)});
-  ASSERT_EQ(motions.size(), 1u);
-  EXPECT_EQ(motions[0].frames, 3u);
-  EXPECT_DOUBLE_EQ(motions[0].instability->mean, 0.2);
-  EXPECT_EQ(motions[0].instability->greatest, 0.3);
-  EXPECT_EQ(motions[0].instability->worst, 2u);
-  EXPECT_DOUBLE_EQ(motions[0].error->mean, 0.2);
-  EXPECT_EQ(motions[0].error->least, 0.1);
-  EXPECT_THROW(find_motion(std::vector{row("still", 1, 1, 0.1)}), Error);
-  EXPECT_THROW(find_motion(std::vector{r}, "wrong_rat"), Error);
 }
 
 // --- tables of them ---------------------------------------------------------------------------------------------------

@@ -113,4 +113,36 @@ TEST(light_camera, images_fitted_to_a_view_begin_before_the_nearest_receiver) {
   EXPECT_LE(camera.images[0].near, 0.002);
 }
 
+// The window and the range of depth hold the whole reach, wherever in it the caster is.
+TEST(light_camera, windows_stay_while_a_mesh_moves_within_its_reach) {
+  Scene scene;
+  scene.meshes = {small_world::ground(4), small_world::box({-0.5f, 0.5f, -0.5f}, {0.5f, 1, 0.5f})};
+  const auto cameras = [&] {
+    std::vector<LightCamera> all;
+    for (const Light& light : lights) all.push_back(fit_to_scene(light, mesh_boxes(scene), resolution, margin));
+    return all;
+  };
+  const auto differ = [](const std::vector<LightCamera>& a, const std::vector<LightCamera>& b) {
+    int count = 0;
+    for (std::size_t c = 0; c < a.size(); ++c)
+      for (std::size_t i = 0; i < a[c].images.size(); ++i) {
+        const LightImage &one = a[c].images[i], &other = b[c].images[i];
+        count += one.scale != other.scale || one.offset != other.offset || one.near != other.near || one.far != other.far;
+      }
+    return count;
+  };
+  const auto move = [&](const glm::vec3& by) {
+    for (glm::vec3& p : scene.meshes[1].positions) p += by;
+  };
+  const auto unmoving = cameras();
+  move({1, 0.5f, 0});
+  EXPECT_GT(differ(unmoving, cameras()), 0);
+  scene.meshes[1].reach = {{-0.5f, 0.5f, -0.5f}, {1.5f, 1.5f, 0.5f}};
+  const auto moved = cameras();
+  move({-0.75f, -0.25f, 0});
+  EXPECT_EQ(differ(moved, cameras()), 0);
+  move({-0.25f, -0.25f, 0});
+  EXPECT_EQ(differ(moved, cameras()), 0);
+}
+
 }  // namespace light_camera_test

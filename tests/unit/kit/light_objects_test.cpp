@@ -90,9 +90,15 @@ TEST(light_objects, objects_beside_those_of_another_share_with_its_first_and_nee
       ++stages;
     });
   EXPECT_EQ(stages, 1) << "of the host's first object";
+  for (LightObjects* objects : {&host, &guests})
+    objects->each(Stage::update, [&](Technique&, std::size_t k) {
+      EXPECT_EQ(k, 0u);
+      ++stages;
+    });
+  EXPECT_EQ(stages, 2) << "update stands in for build, of the same object";
   EXPECT_EQ(guests[2].counts()[1].value, 1) << "the build is seen";
   guests.each(Stage::relight, [&](Technique&, std::size_t) { ++stages; });
-  EXPECT_EQ(stages, 4);
+  EXPECT_EQ(stages, 5);
   EXPECT_EQ(host.counts()[0].value, 102);
   EXPECT_EQ(guests.counts()[0].value, 3) << "they count what they hold themselves";
   EXPECT_FALSE(guests.hold(1));

@@ -6,6 +6,8 @@
 
 #include <algorithm>
 
+#include "error_words.h"
+
 namespace described_technique_test {
 using namespace gnomon;
 
@@ -38,8 +40,8 @@ TEST(described_technique, has_data_sheet_parameters_and_layers_of_the_one_that_i
               std::tie(b.title, b.summary, b.source, b.error, b.fails));
     EXPECT_EQ(std::tie(a.promise, a.sees, a.estimates, a.role, a.floor),
               std::tie(b.promise, b.sees, b.estimates, b.role, b.floor));
-    EXPECT_EQ(std::tie(a.needs_gl, a.is_default, a.rasterizes, a.named_only),
-              std::tie(b.needs_gl, b.is_default, b.rasterizes, b.named_only));
+    EXPECT_EQ(std::tie(a.needs_gl, a.is_default, a.rasterizes, a.named_only, a.update_error),
+              std::tie(b.needs_gl, b.is_default, b.rasterizes, b.named_only, b.update_error));
     EXPECT_TRUE(std::ranges::equal(a.handles, b.handles));
     ASSERT_EQ(a.causes.size(), b.causes.size());
     for (std::size_t k = 0; k < a.causes.size(); ++k)
@@ -114,7 +116,7 @@ TEST(described_technique, knows_the_lights_that_are_told_or_all) {
 
 TEST(described_technique, nonsense_is_refused) {
   const TechniqueEntry& there = registry().technique("svbsp");
-  for (const char* key : {"id", "title", "promise", "causes", "needs_gl", "handles"}) {
+  for (const char* key : {"id", "title", "promise", "causes", "needs_gl", "handles", "update_error"}) {
     Json sheet = sheet_json(there);
     sheet[key] = json_object({{"no", "sense"}});
     EXPECT_ANY_THROW(described_technique(sheet, object_json(there), {}, "")) << key;
@@ -128,6 +130,36 @@ TEST(described_technique, nonsense_is_refused) {
   Json object = object_json(there);
   object["parameters"][0]["default"] = "none of these";
   EXPECT_ANY_THROW(described_technique(sheet_json(there), object, {}, ""));
+}
+
+TEST(described_technique, has_the_update_error_of_the_one_that_it_describes) {
+  TechniqueEntry there = registry().technique("svbsp");
+  const Json object = object_json(there);
+  there.about.update_error = 3e-6f;
+  EXPECT_EQ(described_technique(sent(sheet_json(there)), object, {}, "").about.update_error, 3e-6f);
+}
+
+class SpoilsUpdate final : public Technique {
+  Number<int> level{this, "level", 3, {"", 1, 9}, Stage::update, "A whole number."};
+
+ public:
+  Support supports(const Scene&, const Light&, const View&) const override { return Support::full(); }
+  void setup() override {}
+  void build(const Scene&) override {}
+  void relight(const Light&) override {}
+  void resolve(const GBuffer&, VisibilityMask&) override {}
+  Counts counts() const override { return {}; }
+};
+
+TEST(described_technique, has_no_parameter_that_spoils_update) {
+  const char* const words = "parameter level spoils update; a parameter spoils one of setup, build, relight, resolve";
+  const TechniqueEntry spoils{.id = "spoils_update", .about = {}, .make = [] { return std::make_unique<SpoilsUpdate>(); }};
+  EXPECT_EQ(error_words::error_of([&] { object_json(spoils); }), words);
+  const TechniqueEntry& there = registry().technique("shadow_map");
+  Json object = object_json(there);
+  object["parameters"][0]["spoils"] = static_cast<int>(Stage::update);
+  object["parameters"][0]["name"] = "level";
+  EXPECT_EQ(error_words::error_of([&] { described_technique(sheet_json(there), object, {}, ""); }), words);
 }
 
 TEST(described_scene, has_the_parameters_of_the_one_that_it_describes_and_is_made_elsewhere) {

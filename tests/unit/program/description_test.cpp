@@ -3,6 +3,7 @@
 #include <gnomon/error.h>
 #include <gtest/gtest.h>
 
+#include "error_words.h"
 #include "measure/scene/blob.h"
 #include "measure/scratch_folder.h"
 
@@ -33,6 +34,52 @@ TEST(description, says_what_of_scenes_a_program_handles) {
       EXPECT_NE(std::string_view(error.what()).find("program.toml:7"), std::string_view::npos) << error.what();
     }
   }
+}
+
+TEST(description, has_all_stages_but_update_unless_it_lists_them) {
+  const ScratchFolder folder = ScratchFolder::temporary("gnomon-description");
+  const auto stages = [&](const std::string& line) {
+    std::vector<std::string> names;
+    for (const Stage stage : all_stages)
+      if (described(folder, line)->has_stage[static_cast<std::size_t>(stage)]) names.emplace_back(name(stage));
+    return joined(names, " ");
+  };
+  EXPECT_EQ(stages(""), "setup build relight resolve");
+  EXPECT_EQ(stages("stages = [\"resolve\", \"update\", \"build\"]"), "build update resolve");
+  EXPECT_EQ(stages("stages = [\"resolve\"]"), "resolve");
+  const auto refused = [&](const std::string& line) { return error_words::error_of([&] { described(folder, line); }); };
+  error_words::expect_words(refused("stages = [\"update\", \"resolve\"]"), {"stages", "build beside update", "program.toml:7"});
+  error_words::expect_words(refused("stages = [\"build\", \"update\"]"), {"stages", "resolve", "program.toml:7"});
+  error_words::expect_words(refused("stages = [\"move\"]"), {"'move'", "setup, build, update, relight, resolve"});
+}
+
+TEST(description, has_an_update_error_of_a_share) {
+  const ScratchFolder folder = ScratchFolder::temporary("gnomon-description");
+  EXPECT_EQ(described(folder, "")->about.update_error, 0);
+  EXPECT_EQ(described(folder, "update_error = 1e-6")->about.update_error, 1e-6f);
+  for (const char* const line : {"update_error = -1", "update_error = 1.5", "update_error = nan"})
+    error_words::expect_words(error_words::error_of([&] { described(folder, line); }), {"update_error", "program.toml:7"});
+}
+
+TEST(description, has_no_parameter_that_spoils_update) {
+  const ScratchFolder folder = ScratchFolder::temporary("gnomon-description");
+  const auto with = [&](const std::string& stage) {
+    return described(folder, "[[parameter]]\nname = \"a\"\nvalue = true\nsentence = \"S.\"\nstage = \"" + stage + "\"");
+  };
+  for (const Stage stage : spoilable_stages) EXPECT_EQ(with(std::string(name(stage)))->parameters.at(0).stage, stage);
+  error_words::expect_words(error_words::error_of([&] { with("update"); }),
+                            {"'update'", "is not one of setup, build, relight, resolve", "program.toml"});
+}
+
+TEST(description, names_the_stages_of_a_technique_that_is_a_program) {
+  const ScratchFolder folder = ScratchFolder::temporary("gnomon-description");
+  described(folder, "stages = [\"build\", \"update\", \"resolve\"]");
+  TechniqueEntry entry;
+  EXPECT_TRUE(described_stages(entry).empty());
+  entry.origin = "plugin.so";
+  EXPECT_TRUE(described_stages(entry).empty());
+  entry.origin = (folder.path() / "program.toml").string();
+  EXPECT_EQ(described_stages(entry), (std::vector<std::string>{"build", "update", "resolve"}));
 }
 
 }  // namespace description_test

@@ -230,9 +230,9 @@ TEST(record, wrong_field_is_named_with_its_value_and_what_is_allowed) {
   EXPECT_EQ(message("width", 1.5), "width = 1.5 is not a whole number, 0 or more");
   EXPECT_EQ(message("status", "fine"), "status = \"fine\" is not one of ok, unsupported, failed");
   EXPECT_EQ(message("technique", nullptr), "technique is missing");
-  EXPECT_EQ(message("schema", 99), "schema = 99 is that of a newer program, this one reads 6");
+  EXPECT_EQ(message("schema", 99), "schema = 99 is that of a newer program, this one reads 7");
   EXPECT_EQ(message("schema", 2),
-            "schema = 2 is that of an older program, this one reads 6: run the rows again, or, of schema 2 to 5, convert the "
+            "schema = 2 is that of an older program, this one reads 7: run the rows again, or, of schema 2 to 6, convert the "
             "folder with scripts/convert_records");
   EXPECT_EQ(message("lights", Json::array()), "lights = [] is not an array of one light or more");
   EXPECT_EQ(message("answer", "fraction"), "answer = fraction is not binary, that of its lights");

@@ -73,6 +73,19 @@ TEST(figure, every_kind_makes_a_program_for_every_file_type) {
   EXPECT_THROW(figure_script(some(), "fornt", {}, "f.svg"), Error);
 }
 
+TEST(figure, motion_has_a_panel_of_flicker_where_a_row_has_it) {
+  std::vector<Record> records = some();
+  const auto script = [&] { return figure_script(records, "motion", {}, "f.svg"); };
+  EXPECT_FALSE(has(script(), "lag (s)"));
+  EXPECT_TRUE(has(script(), "layout 1,1")) << script();
+  records[1].metrics[Truth::shape]["flicker_1_60"] = 0.25;
+  records[1].metrics[Truth::shape]["flicker_1_4"] = 0.5;
+  EXPECT_TRUE(has(script(), "layout 1,2")) << script();
+  EXPECT_TRUE(has(script(), "set xlabel 'lag (s)'")) << script();
+  EXPECT_TRUE(has(script(), "'1/15' 0.0666")) << script();
+  EXPECT_TRUE(has(script(), "0.25\t50\n")) << "in percent" << script();
+}
+
 TEST(figure, nothing_to_draw_is_an_error) {
   Record failed = row(256, 1, 0.1);
   failed.status = Status::failed;

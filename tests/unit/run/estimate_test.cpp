@@ -107,6 +107,46 @@ TEST(estimate, the_nearest_row_counts) {
   EXPECT_EQ(exact.here, 1u);
 }
 
+TEST(estimate, each_frame_of_a_row_costs_its_references_masks_and_causes) {
+  RowCost still = cost("9");  // once 0.5, a process 0.1
+  still.stages = {20, 20, 60};
+  Job moving = job("1");
+  moving.path = "walk";
+  moving.frame_count = 10;
+  moving.times = FrameTimes{10, 60, 0};
+  // With a repetition of four frames, each of which is taken to cost what the whole scene does: 100 ms, so two of them a
+  // sample.
+  EXPECT_NEAR(estimate({still}, moving).seconds, 10 * 0.5 + 0.1 + 0.1 + 2 * 0.1, 1e-9);
+  RowCost moved = still;
+  moved.path = "walk";
+  moved.frames = 5;
+  moved.motion = 10;  // 10 ms a frame: four of them a sample
+  EXPECT_NEAR(estimate({moved}, moving).seconds, 2 * 0.5 + 0.1 + 0.1 + 4 * 0.01, 1e-9);
+  EXPECT_NEAR(estimate({moved}, job("1")).seconds, 0.5 / 5 + 0.1 + 0.1, 1e-9) << "a still has no walk";
+  moved.frames = 0;  // of a line that does not tell
+  EXPECT_NEAR(estimate({moved}, moving).seconds, 0.5 + 0.1 + 0.1 + 4 * 0.01, 1e-9);
+  still.is_measured = false;
+  still.job = "1";
+  EXPECT_EQ(estimate({still}, moving).seconds, 0.5) << "an unsupported row ends at its first frame";
+}
+
+TEST(estimate, the_walk_of_a_record_is_part_of_what_a_process_takes) {
+  Record r;
+  r.status = Status::ok;
+  r.times(Stage::resolve) = {{1, 1}, {1, 1}};
+  r.times(Stage::update) = {{20, 20}, {20, 20}};
+  r.moving_times(Stage::relight) = {{5, 5}, {5, 5}};
+  r.moving_times(Stage::resolve) = {{1, 1}, {1, 1}};
+  r.frames["wrong_rate"] = {0, 0, 0};
+  r.seconds = 3;
+  const RowCost cost = cost_of(r);
+  EXPECT_EQ(cost.frames, 3);
+  EXPECT_EQ(cost.motion, 26);
+  EXPECT_NEAR(cost.seconds({2, 3, 2}), 3, 1e-9);
+  // Another process: its opening, three warm-ups and two samples of four frames, and those of resolve, of two calls.
+  EXPECT_NEAR(cost.seconds({3, 3, 2}) - cost.seconds({2, 3, 2}), usual_opening + (3 + 8) * 0.026 + (3 + 4) * 0.001, 1e-9);
+}
+
 TEST(estimate, equally_near_rows_give_their_median) {
   std::vector<RowCost> costs;
   for (const double seconds : {1.0, 2.0, 100.0}) {
@@ -176,6 +216,31 @@ TEST_F(HistoryTest, remembers_the_last_cost_of_a_job_and_skips_what_it_cannot_re
   EXPECT_EQ(costs[0].job, "2");
   EXPECT_EQ(costs[1].machine, "there");
   EXPECT_EQ(costs[2].once, 2);
+}
+
+TEST_F(HistoryTest, lines_without_frames_are_those_of_stills_or_do_not_tell) {
+  const History history(dir / "history.jsonl");
+  RowCost still = cost("1"), on_path = cost("2"), moving = cost("3");
+  on_path.path = "orbit";
+  moving.path = "walk";
+  moving.frames = 7;
+  moving.motion = 2.5;
+  history.add(std::vector{still, on_path, moving});
+  EXPECT_EQ(history.read()[2].frames, 7);
+  EXPECT_EQ(history.read()[2].motion, 2.5);
+  std::string text;
+  std::ifstream lines(dir / "history.jsonl");
+  for (std::string line; std::getline(lines, line);) {
+    Json json = Json::parse(line);
+    json.erase("frames");
+    json.erase("motion");
+    text += json.dump() + "\n";
+  }
+  std::ofstream(dir / "history.jsonl") << text;
+  ASSERT_EQ(history.read().size(), 3u);
+  EXPECT_EQ(history.read()[0].frames, 1);
+  EXPECT_EQ(history.read()[1].frames, 0);
+  EXPECT_EQ(history.read()[2].motion, 0);
 }
 
 TEST_F(HistoryTest, forgets_the_oldest_rows_beyond_its_bound) {

@@ -3,18 +3,17 @@
 #include <gnomon/error.h>
 #include <gnomon/registry.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
-
-#include <fstream>
 
 #include "measure/program/program_technique.h"
 #include "measure/run/jobs.h"
 #include "measure/scene/blob.h"
 #include "places.h"
+#include "suite_files.h"
 
 namespace suite_test {
 
 using namespace gnomon;
+using suite_files::complaint, suite_files::File, suite_files::group, suite_files::trouble;
 
 std::vector<std::string> names(const std::string& text) {
   std::vector<std::string> result;
@@ -27,34 +26,9 @@ void load_programs_of_the_tree() {
   [[maybe_unused]] static const bool is_done = (load_programs_of(tree_file("techniques")), true);
 }
 
-template <class Work>
-std::string complaint(Work work) {
-  try {
-    work();
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "";
-}
 std::string refused(const std::string& text) {
   return complaint([&] { parse_contenders(text); });
 }
-
-/// A suite file that is there as long as the object.
-struct File {
-  std::filesystem::path path = std::filesystem::temp_directory_path() / fmt::format("gnomon_suite_{}.toml", getpid());
-  explicit File(const std::string& text) { std::ofstream(path) << text; }
-  ~File() { std::filesystem::remove(path); }
-};
-/// The error of reading a suite of this text, with FILE for its path.
-std::string trouble(const std::string& text) {
-  const File file(text);
-  std::string what = complaint([&] { read_suite(file.path); });
-  for (std::size_t at; (at = what.find(file.path.string())) != std::string::npos;)
-    what.replace(at, file.path.string().size(), "FILE");
-  return what;
-}
-const std::string group = "[[group]]\nscenes = [\"contact\"]\ntechniques = [\"unshadowed\"]\n";
 
 TEST(contenders, settings_come_out_canonical) {
   EXPECT_EQ(names("unshadowed"), std::vector<std::string>{"unshadowed"});
@@ -97,7 +71,10 @@ TEST(suite, what_is_wrong_with_times_is_said) {
   EXPECT_EQ(wrong("time = [0, 'now']\n"),
             "group.time = a list with something else is not a number or an array of numbers (FILE:4)");
   EXPECT_EQ(wrong("time = []\n"), "group.time = [] is not a number or an array of numbers (FILE:4)");
-  EXPECT_EQ(wrong("animation = 'walk'\n"), "animation = walk needs a time: the seconds at which it is shown (FILE:1)");
+  EXPECT_EQ(
+      wrong("animation = 'walk'\n"),
+      "group.animation = walk is of stills and needs group.time; rows that follow it frame by frame are group.animations = "
+      "[\"walk\"] (FILE:4)");
   EXPECT_EQ(wrong("animation = ''\ntime = 0\n"), "group.animation = '' is not the name of an animation (FILE:4)");
   EXPECT_EQ(wrong("animation = 'Walk'\ntime = 0\n"),
             "animation = 'Walk' is not a name of a..z, 0..9 and _, at most 100 of them (FILE:1)");

@@ -1,12 +1,14 @@
 // Scenes whose glass colors the light: lights by channel, and the scene that each of them finds.
 #include "measure/scene/channels.h"
 
+#include <gnomon/kit/geometry/circling.h>
 #include <gtest/gtest.h>
 
 #include "generated_scene.h"
 #include "glass.h"
 #include "measure/scene/blob.h"
 #include "measure/scene/names.h"
+#include "measure/scene/posed_scene.h"
 
 namespace channels_test {
 
@@ -152,6 +154,33 @@ TEST(channels, a_light_finds_the_scene_in_its_channel_and_it_is_made_once) {
     EXPECT_EQ(&found, &scenes.of(scene.lights[(k + 3) % 6])) << "the other light's scene of that channel";
     EXPECT_EQ(scene_bytes(found), scene_bytes(in_channel(scene, all_channels[k % 3]))) << k;
   }
+}
+
+TEST(channels, the_scene_of_a_channel_follows_the_pose_at_its_address) {
+  Scene scene = colored_scene();
+  Motion motion;
+  motion.nodes.resize(1);
+  motion.animations = {{"rise", {{.node = 0, .times = {0, 1}, .values = {0, 0, 0, 0, 1, 0}}}}};
+  motion.rigs = {rig_at_rest(scene, 1, 0), rig_at_rest(scene, 5, 0)};
+  scene.motion = std::make_shared<const Motion>(std::move(motion));
+  split_lights(scene);
+  ChannelScenes scenes(scene);
+  const Scene& red = scenes.of(scene.lights[0]);
+  const glm::vec3* const place = red.meshes[1].positions.data();
+  PosedScene posed(scene);
+  for (const double seconds : {0.5, 1.0, 0.0}) {
+    posed.go_to(RowPose{.animation = "rise", .seconds = seconds, .frame_rate = 1, .frames = 2});
+    EXPECT_EQ(&scenes.of(scene.lights[0]), &red);
+    EXPECT_EQ(red.meshes[1].positions.data(), place);
+    EXPECT_EQ(red.meshes[1].positions, scene.meshes[1].positions);
+    EXPECT_EQ(red.meshes[5].positions[0].y, static_cast<float>(5 + seconds));
+    EXPECT_EQ(red.meshes[1].reach.max, glm::vec3(1, 2, 1));
+    EXPECT_EQ(red.pose_number, scene.pose_number);
+    const Scene& green = scenes.of(scene.lights[1]);
+    EXPECT_EQ(green.meshes[1].positions, scene.meshes[1].positions) << "made in this pose, or moved to it";
+  }
+  posed.go_to(std::nullopt);
+  EXPECT_TRUE(scenes.of(scene.lights[0]).meshes[1].reach.empty());
 }
 
 TEST(channels, a_light_of_a_gray_scene_finds_the_very_scene) {

@@ -52,11 +52,14 @@ struct Folder {
 TEST(motion_load, a_file_is_as_it_stands_without_a_time_and_posed_with_one) {
   const Folder folder;
   const Scene rest = folder.load("folk.gltf");
-  ASSERT_EQ(rest.meshes.size(), 1u) << "the second square has no size";
+  ASSERT_EQ(rest.meshes.size(), 2u) << "the second square has no size, and will have one";
+  EXPECT_EQ(rest.meshes[1].triangles.size(), 2u);
+  EXPECT_EQ(rest.meshes[1].facts.boundary_edge_count, 4u) << "as it will be";
+  EXPECT_FALSE(error_words::has_note(rest, "without area"));
   ASSERT_TRUE(rest.motion);
   ASSERT_EQ(rest.motion->animations.size(), 1u);
   EXPECT_EQ(rest.motion->animations[0].name, "walk");
-  EXPECT_EQ(rest.motion->rigs.size(), 1u) << "of the mesh that is left";
+  EXPECT_EQ(rest.motion->rigs.size(), 2u);
   EXPECT_EQ(rest.meshes[0].positions[0].z, 0);
 
   const Scene still = folder.load("folk.gltf@walk=0.5");
@@ -76,8 +79,8 @@ TEST(motion_load, a_description_hands_the_motion_of_its_base_and_of_its_files_on
   ASSERT_TRUE(rest.motion);
   ASSERT_EQ(rest.motion->animations.size(), 2u);
   EXPECT_EQ(rest.motion->animations[1].name, "walk_2");
-  ASSERT_EQ(rest.meshes.size(), 2u);
-  EXPECT_EQ(rest.motion->rigs.at(1).mesh, 1u);
+  ASSERT_EQ(rest.meshes.size(), 4u) << "two of the base, two of the file";
+  EXPECT_EQ(rest.motion->rigs.at(2).mesh, 2u);
 
   const Scene first = folder.load("two.toml@walk=1"), second = folder.load("two.toml@walk_2=1");
   ASSERT_EQ(first.meshes.size(), 3u) << "base, its second square, the file's first";

@@ -3,6 +3,11 @@
 #include <gnomon/error.h>
 #include <gtest/gtest.h>
 
+#include "error_words.h"
+#include "measure/scene/load.h"
+#include "measure/scene/motion_data.h"
+#include "moving_world.h"
+
 namespace motion_test {
 
 using namespace gnomon;
@@ -39,7 +44,7 @@ TEST(motion, a_directional_light_may_pass_ways_of_any_length) {
     const glm::vec3 direction = std::get<DirectionalLight>(light_at(path, sun, 1).kind).direction;
     EXPECT_EQ(glm::normalize(direction), glm::vec3(0, -1, 0)) << length;
     EXPECT_LE(extent(direction), 10);
-    check_frames(path, sun, View{}, "here");
+    check_frames(path, sun, View{}, Scene{}, "here");
   }
 }
 
@@ -70,7 +75,7 @@ TEST(motion, every_scene_has_slides_of_one_percent) {
 TEST(motion, a_frame_that_cannot_be_is_named) {
   const auto trouble = [](const Path& path, const Light& light, const View& view) -> std::string {
     try {
-      check_frames(path, light, view, "little");
+      check_frames(path, light, view, Scene{}, "little");
     } catch (const Error& error) {
       return error.what();
     }
@@ -110,6 +115,70 @@ TEST(motion, the_scenes_own_paths_come_first_and_a_wrong_name_is_said) {
     EXPECT_NE(std::string(error.what()).find("scene little has no path camera_slid; did you mean camera_slide?"),
               std::string::npos);
   }
+}
+
+// --- animations ---
+
+const Light lamp{.name = "lamp", .kind = PointLight{{0, 4, 0}}};
+
+/// The moving world, whose animation `walk` ends at this time.
+Scene ending_at(double seconds) {
+  Scene scene = moving_world::scene();
+  Motion motion = moving_world::motion_of(scene);
+  for (Track& track : motion.animations[0].tracks) track.times[1] = seconds;
+  moving_world::set_motion(scene, std::move(motion));
+  return scene;
+}
+
+TEST(motion, an_animation_is_a_path_of_60_frames_a_second_to_its_last_key) {
+  const Path path = find_path(moving_world::scene(), "walk", lamp, View{});
+  EXPECT_EQ(path.moves, Path::Moves::geometry);
+  EXPECT_EQ(path.name, "walk");
+  EXPECT_EQ(path.frame_count, 121) << "2 s, both ends";
+  EXPECT_EQ(path.start, 0);
+  EXPECT_EQ(path.frame_rate, 60);
+  EXPECT_TRUE(path.positions.empty());
+  const auto frames = [](double seconds) { return find_path(ending_at(seconds), "walk", lamp, View{}).frame_count; };
+  EXPECT_EQ(frames(0.001), 2);
+  EXPECT_EQ(frames(0.51), 32) << "30.6 frames";
+  EXPECT_EQ(frames(166), 9961);
+  EXPECT_EQ(frames(1e300), 10'000);
+}
+
+TEST(motion, an_animation_moves_neither_light_nor_camera) {
+  const Scene scene = moving_world::scene();
+  const View view{.name = "view", .eye = {9, 9, 9}};
+  const Path path = find_path(scene, "walk", lamp, view);
+  EXPECT_EQ(std::get<PointLight>(light_at(path, lamp, 7).kind).position, glm::vec3(0, 4, 0));
+  EXPECT_EQ(view_at(path, view, 7).eye, view.eye);
+}
+
+TEST(motion, a_wrong_name_is_said_with_the_animations) {
+  const auto error = error_words::error_of([] { find_path(moving_world::scene(), "wolk", lamp, View{}); });
+  error_words::expect_words(error, {"did you mean walk?", "camera_slide, light_slide, walk, sleep"});
+}
+
+TEST(motion, a_path_and_an_animation_of_one_name_are_refused_at_load) {
+  Scene scene = moving_world::scene();
+  scene.paths = {{"walk", Path::Moves::light, {{0, 0, 0}, {1, 0, 0}}, 3}};
+  const auto error = error_words::error_of([&] { finish_scene(scene, "here"); });
+  error_words::expect_words(error, {"here: path 'walk' and animation 'walk'"});
+}
+
+TEST(motion, the_first_frame_at_which_a_mesh_cannot_be_is_named) {
+  Scene scene = moving_world::scene();
+  Path path = find_path(scene, "walk", lamp, View{});
+  path.frame_rate = 4;
+  path.frame_count = 9;
+  check_frames(path, lamp, View{}, scene, "world");
+  Motion motion = moving_world::motion_of(scene);
+  motion.animations[0].tracks[0].values = {0, 0, 0, 8e17, 0, 0};  // 1e17 m, the limit, are passed after an eighth of the way
+  moving_world::set_motion(scene, std::move(motion));
+  const auto error = error_words::error_of([&] { check_frames(path, lamp, View{}, scene, "world"); });
+  error_words::expect_words(error, {"mesh 'm1', vertex 0", "at 0.5 s", "(scene world, path walk, frame 2)"});
+  EXPECT_EQ(scene.meshes[1].positions, moving_world::scene().meshes[1].positions);
+  path.frame_count = 2;
+  check_frames(path, lamp, View{}, scene, "world");
 }
 
 }  // namespace motion_test

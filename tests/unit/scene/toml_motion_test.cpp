@@ -79,7 +79,9 @@ TEST_F(TomlMotion, a_path_moves_the_mesh_that_it_names_and_no_other) {
 TEST_F(TomlMotion, without_a_time_a_scene_is_as_if_it_had_no_path) {
   const Scene still = read(crate + ball);
   const Scene scene = read(crate + ball + move + "mesh = [\"crate\", \"ball\"]\npositions = [[1, 2, 3], [2, 0, 0]]\n");
-  EXPECT_EQ(scene_bytes(scene), scene_bytes(still));
+  Scene without = scene;
+  without.motion = nullptr;
+  EXPECT_EQ(scene_bytes(without), scene_bytes(still));
   EXPECT_EQ(scene.motion->animations.at(0).name, "mesh") << "the default name";
   // At its first key it is where the path has it, not where the file has it.
   expect_moved(posed(scene, 0), still, 0, [](glm::dvec3 p) { return p + glm::dvec3(1, 2, 3); });

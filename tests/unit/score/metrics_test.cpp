@@ -10,6 +10,7 @@
 #include <set>
 
 #include "measure/frame/boundary.h"
+#include "measure/score/over_time.h"
 #include "measure/score/score.h"
 
 namespace metrics_test {
@@ -102,9 +103,19 @@ TEST(metrics, rows_have_unique_names_a_direction_and_a_sentence) {
     EXPECT_TRUE(info.sentence.ends_with('.')) << info.name;
     EXPECT_FALSE(std::islower(info.sentence.front())) << info.name;
     EXPECT_TRUE(info.better == "lower" || info.better == "higher" || info.better.empty()) << info.name;
-    EXPECT_TRUE(info.value != nullptr);
+    EXPECT_EQ(info.value == nullptr, info.of == MetricInfo::Of::row) << info.name;
   }
-  EXPECT_EQ(measure_metrics(Scoring(Evidence{})).size(), names.size());
+  const Metrics of_a_frame = measure_metrics(Scoring(Evidence{}));
+  EXPECT_EQ(of_a_frame.size() + no_metrics_over_time().size(), names.size());
+  for (const auto& [metric, value] : no_metrics_over_time()) EXPECT_FALSE(of_a_frame.contains(metric)) << metric;
+}
+
+TEST(metrics, instability_alone_is_of_two_frames) {
+  for (const MetricInfo& info : metric_infos())
+    EXPECT_EQ(info.of == MetricInfo::Of::two_frames, info.name == "instability") << info.name;
+  EXPECT_EQ(metric_is_of("instability"), MetricInfo::Of::two_frames);
+  EXPECT_EQ(metric_is_of("temporal_sd"), MetricInfo::Of::row);
+  EXPECT_EQ(metric_is_of("of another version"), MetricInfo::Of::frame);
 }
 
 /// Lit left of `edge`, dark from it on.

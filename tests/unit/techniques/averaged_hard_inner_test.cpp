@@ -8,7 +8,7 @@ using namespace averaged_hard_rig;
 class Half final : public Technique {
  public:
   Number<int> lit{this, "lit", 1, {"", 0, 1}, Stage::resolve, "Whether everything is lit."};
-  static inline int builds = 0;
+  static inline int builds = 0, updates = 0;
   Support supports(const Scene&, const Light& light, const View&) const override {
     return hard_lights_only(light, "it has no penumbra");
   }
@@ -16,6 +16,10 @@ class Half final : public Technique {
   void build(const Scene&) override {
     if (is_set_up_) ++builds;
     is_built_ = is_set_up_;
+  }
+  void update(const Scene&, const Changes&) override {
+    EXPECT_TRUE(is_built_);
+    ++updates;
   }
   void relight(const Light&) override { is_lit_ = is_built_; }
   void resolve(const GBuffer&, VisibilityMask& mask) override {
@@ -27,9 +31,69 @@ class Half final : public Technique {
   bool is_set_up_ = false, is_built_ = false, is_lit_ = false;
 };
 
-TEST_F(AveragedHard, a_technique_that_shares_nothing_has_a_build_for_every_point) {
+void register_half() {
   if (!registry().find_technique("half"))
     registry().add(TechniqueEntry{.id = "half", .about = {}, .make = [] { return gnomon::made<Technique, Half>("half"); }});
+}
+
+TEST_F(AveragedHard, an_update_reaches_every_object_that_has_been_built) {
+  register_half();
+  const World world(generated_scene("sphere_over_plane:segments=12"), Truth::mesh);
+  const auto technique = made("averaged_hard", "of=half,samples=3");
+  technique->setup();
+  technique->build(world.scene);
+  Half::builds = 0;
+  Half::updates = 0;
+  technique->update(world.scene, {});
+  EXPECT_EQ(Half::updates, 3);
+  EXPECT_EQ(Half::builds, 0);
+  technique->apply("samples=5");
+  technique->update(world.scene, {});
+  EXPECT_EQ(Half::updates, 6);
+  EXPECT_EQ(Half::builds, 2) << "the two that are new read the scene where it is now";
+}
+
+// Also an object for another light, which shares with the first one and is not updated itself.
+TEST_F(AveragedHard, after_an_update_it_answers_as_after_a_build) {
+  Scene scene;
+  scene.meshes = {small_world::ground(4), small_world::box({-1, 1, -1}, {0, 2, 0})};
+  scene.views = {{.name = "view", .eye = {3, 5, 6}, .target = {0, 0.3f, 0}}};
+  const Light light = lamp({1, 5, 2}, 0.5f), other = lamp({-2, 5, 1}, 0.5f);
+  for (const char* of : {"embree_rays", "svbsp", "shadow_map"}) {
+    scene.meshes[1] = small_world::box({-1, 1, -1}, {0, 2, 0});
+    ++scene.pose_number;
+    const std::string settings = fmt::format("of={},samples=4", of);
+    const auto technique = made("averaged_hard", settings);
+    technique->setup();
+    technique->build(scene);
+    technique->relight(light);
+    const auto guest = technique->for_another_light();
+    if (guest) guest->relight(other);
+    Changes changes{std::vector<MeshChange>(2)};
+    std::vector<glm::vec3>& moved = scene.meshes[1].positions;
+    changes.meshes[1] = {.kind = MeshChange::Kind::deformed, .count = static_cast<std::uint32_t>(moved.size())};
+    changes.meshes[1].before.add(moved);
+    for (glm::vec3& p : moved) p += glm::vec3(1, 0.5f, 0.25f);
+    changes.meshes[1].after.add(moved);
+    ++scene.pose_number;
+    const World world(scene, Truth::mesh);
+    const GBuffer g = world.gbuffer(scene.views[0], 48, 32);
+    technique->update(scene, changes);
+    const auto mask_under = [&](Technique& object, const Light& lit_by) {
+      object.relight(lit_by);
+      VisibilityMask mask(g.width, g.height);
+      object.resolve(g, mask);
+      return std::vector<float>(mask.read().begin(), mask.read().end());
+    };
+    EXPECT_EQ(mask_under(*technique, light), mask_of("averaged_hard", settings, scene, light, g)) << of;
+    if (guest) {
+      EXPECT_EQ(mask_under(*guest, other), mask_of("averaged_hard", settings, scene, other, g)) << of;
+    }
+  }
+}
+
+TEST_F(AveragedHard, a_technique_that_shares_nothing_has_a_build_for_every_point) {
+  register_half();
   const World world(generated_scene("sphere_over_plane:segments=12"), Truth::mesh);
   const GBuffer g = world.gbuffer(world.scene.views[0], 32, 24);
   const Light light = lamp({-2, 5, 2}, 0.5f);

@@ -85,6 +85,9 @@ TEST(viewer_keys, every_key_has_its_action) {
                                                         {"Home", Action::reset_view},
                                                         {"End", Action::reset_light},
                                                         {"E", Action::all_lights},
+                                                        {"Space", Action::play},
+                                                        {"[", FrameSteps{-1}},
+                                                        {"]", FrameSteps{1}},
                                                         {"Ctrl+S", Action::save},
                                                         {"Ctrl+C", Action::copy_command},
                                                         {"F12", Action::screenshot},
@@ -132,7 +135,8 @@ TEST(viewer_keys, groups_and_effects_stand_together) {
       effects.push_back(rows[i].effect);
     }
   }
-  EXPECT_EQ(groups, (std::set<std::string>{"Scene composite", "Camera", "Light", "Compare", "Layers", "State", "Window"}));
+  EXPECT_EQ(groups,
+            (std::set<std::string>{"Scene composite", "Camera", "Light", "Animation", "Compare", "Layers", "State", "Window"}));
 }
 
 TEST(viewer_keys, modifiers_count_locks_do_not) {

@@ -257,6 +257,20 @@ TEST(saved_state, a_still_keeps_its_time) {
   EXPECT_NE(viewer::state_toml(state, "all/01/scene.toml").find("scene = \"walking_boxes@0.25\"\n"), std::string::npos);
 }
 
+// Seconds are in the fewest digits that read back.
+TEST(saved_state, a_frame_of_an_animation_is_saved_as_a_still) {
+  const Folder folder;
+  Selection state = some_state();
+  state.scene = "walking_boxes:count=4";
+  state.at = RowPose{.animation = "walk", .seconds = 7 / 60.0, .frames = 121};
+  const Scene scene = saved_and_loaded(state, "01/scene.toml");
+  const Scene still = load_scene(fmt::format("walking_boxes:count=4@walk={}", 7 / 60.0));
+  ASSERT_EQ(scene.meshes.size(), still.meshes.size());
+  for (std::size_t m = 0; m < scene.meshes.size(); ++m) EXPECT_EQ(scene.meshes[m].positions, still.meshes[m].positions) << m;
+  EXPECT_FALSE(scene.motion);
+  EXPECT_NE(read("01/scene.toml").find("walking_boxes:count=4@walk=0.11666666666666667"), std::string::npos);
+}
+
 TEST(saved_state, links_lead_where_they_did) {
   const Folder folder;
   // A link to a folder elsewhere: `..` from there is not where the link is. And a linked description, with its mesh beside it.

@@ -49,7 +49,7 @@ TEST_F(OwnWorker, answers_counts_layers_and_explanations) {
   const MaskReply answer = client.answer();
   ASSERT_TRUE(answer.gl);
   EXPECT_GT(answer.gl->input_bytes, 0u);
-  EXPECT_EQ(client.fresh_count(), 4);
+  EXPECT_EQ(client.fresh_count(), 5);
   EXPECT_EQ(answer.mask.size(), pixel_count);
   EXPECT_NE(std::ranges::find(answer.mask, 0.0f), answer.mask.end());
   const auto bytes = std::ranges::find(answer.counts, "bytes", &Count::name);
@@ -67,7 +67,7 @@ TEST_F(OwnWorker, answers_counts_layers_and_explanations) {
   EXPECT_FALSE(explanations[shadow]->taps.empty());
   EXPECT_EQ(explanations[shadow]->taps.size(), explanations[shadow + pixel_count]->taps.size());
   client.set("resolution=128");
-  EXPECT_EQ(client.fresh_count(), 2) << "setup and build know no resolution";
+  EXPECT_EQ(client.fresh_count(), 3) << "setup, build and update know no resolution";
   EXPECT_EQ(client.mask().size(), pixel_count);
 }
 
@@ -141,7 +141,7 @@ TEST_F(OwnWorker, gives_surface_detail_once_light_is_there) {
   client.frame(frame());
   const SurfaceDetail detail = client.surface_detail();
   EXPECT_FALSE(detail.polygons.empty());
-  EXPECT_EQ(client.fresh_count(), 3);
+  EXPECT_EQ(client.fresh_count(), 4);
 }
 
 TEST_F(OwnWorker, answers_a_light_that_is_not_the_scenes) {
@@ -154,7 +154,7 @@ TEST_F(OwnWorker, answers_a_light_that_is_not_the_scenes) {
   FrameRequest elsewhere = frame();
   elsewhere.seen = FreeLightAndView{{moved}, scene.views[0]};
   client.frame(elsewhere);
-  EXPECT_EQ(client.fresh_count(), 2) << "another light: build stands";
+  EXPECT_EQ(client.fresh_count(), 3) << "another light: build stands";
   EXPECT_NE(client.mask(), before);
   elsewhere.seen = FreeLightAndView{{scene.lights[0]}, scene.views[0]};
   client.frame(elsewhere);

@@ -9,15 +9,19 @@ import { toggle } from "./dom.js";
 import { placeList } from "./places.js";
 import { stages } from "./quantities.js";
 
+/** What is paid in a frame in which geometry moves, in the place of build, relight and resolve. */
+const paid_by_motion = new Set(["update", "moving_relight", "moving_resolve"]);
+
 export function costCard(redraw) {
   let with_setup = false;
+  let is_moving = false;
   const where = placeList("where", (row) => isOk(row) && row.stages.resolve, redraw);
   if (!where) return null;
 
   function draw(width) {
-    const rows = where.rows();
-    if (rows.length === 0) return { empty: "No row here passes the filter." };
-    const shown = stages.filter((stage) => with_setup || stage.name !== "setup");
+    const rows = where.rows().filter((row) => !is_moving || row.costs.motion);
+    if (rows.length === 0) return { empty: is_moving ? "No row here has a time of moving geometry." : "No row here passes the filter." };
+    const shown = stages.filter(({ name }) => (name === "setup" ? with_setup : paid_by_motion.has(name) === is_moving));
     const names = shown.map((stage) => stage.name);
     const partsOf = (row) => shown.map((stage) => ({ key: String(row.index), stage: stage.name, estimate: stage.of(row) }));
     const parts = rows.flatMap(partsOf).filter((part) => part.estimate);
@@ -43,17 +47,21 @@ export function costCard(redraw) {
         marginTop: 8,
         x: acrossOptions("milliseconds", { tickFormat: tick, ticks: Math.max(3, Math.floor((width - margin) / 90)) }),
         y: { domain: order, label: null, tickFormat: (key) => short(title(key)), tickSize: 0 },
-        color: { domain: names, range: names.map((name) => `var(--stage-${name})`), legend: true },
+        color: { domain: names, range: names.map((name) => `var(--stage-${name.replace("moving_", "")})`), legend: true },
         marks: [
           barX(parts, { ...bars, insetTop: 1, insetBottom: 1 }),
           text(order, { ...at, ...beside, text: (key) => milliseconds(total.get(key)) }),
           tip(order, pointerY({ ...at, title: says, fontSize: 12 })),
         ],
       }),
-      caption: "Build is paid when the geometry changes, relight when the light moves, resolve when the camera moves.",
+      caption: is_moving
+        ? "Update, relight and resolve are paid in every frame in which geometry moves."
+        : "Build is paid for another scene, relight when the light moves, resolve when the camera moves.",
     };
   }
   const setup = toggle("with setup", (on) => { with_setup = on; redraw(); });
+  const moving = toggle("geometry moves", (on) => { is_moving = on; redraw(); });
+  const can_move = data.rows.some((row) => row.costs.motion);
   const lead = "What is paid when, for one scene and light.";
-  return { name: "cost", title: "Cost by stage", lead, controls: [where.element, setup], draw };
+  return { name: "cost", title: "Cost by stage", lead, controls: [where.element, setup, ...(can_move ? [moving] : [])], draw };
 }

@@ -6,7 +6,7 @@ import { measured, milliseconds } from "./digits.js";
 /** A quantity: name, text for the list, label of the axis, of(row) -> {value, low, high} in the axis' unit or null, shown(). */
 function ofTimes(name, text, times) {
   const of = (row) => {
-    const estimate = times(row);
+    const estimate = times(row) ?? null;
     return estimate && { value: estimate[0], low: estimate[1] ?? null, high: estimate[2] ?? null };
   };
   return { name, text, label: `${text} (ms)`, unit: "ms", shown: milliseconds, of };
@@ -25,7 +25,10 @@ const occurs = (quantity) => data.rows.some((row) => quantity.of(row));
 
 /** Times of events. */
 export const events = data.costs.map((cost) => ofTimes(cost.name, cost.heading, (row) => row.costs[cost.name])).filter(occurs);
-export const stages = data.stages.map((name) => ofTimes(name, name, (row) => row.stages[name])).filter(occurs);
+/** Times of stages; those that begin with `moving_` are of the frames after an update. */
+export const stages = data.stages
+  .map((name) => ofTimes(name, name.replace("_", " "), (row) => row.stages[name]))
+  .filter(occurs);
 export const memory = ["bytes", "peak_bytes"].map(columnNamed).filter(Boolean).map(ofColumn).filter(occurs);
 /** Metrics that have a better side. */
 export const metrics = data.metrics

@@ -4,7 +4,7 @@
 namespace gnomon {
 
 /// A technique as a renderer of several lights holds it: an object for each light. Where the technique can share what setup and
-/// build make (Technique::for_another_light), these two stages are done once for each scene, else by every object.
+/// build make (Technique::for_another_light), these two stages and update are done once for each scene, else by every object.
 class LightObjects {
  public:
   LightObjects(const TechniqueEntry& entry, const std::string& settings);
@@ -28,7 +28,7 @@ class LightObjects {
   template <class Does>
   void each(Stage stage, const Does& does) {
     for (std::size_t k = 0; k < count(); ++k)
-      if (stage > Stage::build || !objects_[k].shares) does((*this)[k], k);
+      if (stage > Stage::update || !objects_[k].shares) does((*this)[k], k);
   }
   /// What all objects counted, each count as it says (Count::Together).
   Counts counts() const;
@@ -40,7 +40,7 @@ class LightObjects {
     std::unique_ptr<Technique> technique;
     std::size_t scene = 0;  ///< by number
     bool is_first = true;   ///< of its scene
-    bool shares = false;    ///< what setup and build make, with the first
+    bool shares = false;    ///< what setup, build and update make, with the first
   };
 
   const TechniqueEntry& entry_;

@@ -29,7 +29,9 @@ struct Silhouette {
 };
 
 /// Which casting triangles of a scene share an edge; built once per scene. Vertices at equal positions are one, across meshes.
-/// Triangles and vertices are counted over the whole scene, mesh after mesh.
+/// Triangles and vertices are counted over the whole scene, mesh after mesh. A triangle that a pose made a line or a point by
+/// moving two corners together has no edges and no part: those beside it share an edge. One of three places in a line is
+/// edge-on to every light.
 class EdgeAdjacency {
  public:
   EdgeAdjacency() = default;
@@ -76,7 +78,8 @@ class EdgeAdjacency {
     const glm::uvec3& t = triangles_[triangle];
     return {{positions_[t.x], positions_[t.y], positions_[t.z]}};
   }
-  std::span<const std::uint32_t> part_of() const { return part_of_; }  ///< of each triangle; no_part where it does not cast
+  /// Of each triangle; no_part where it does not cast, or has two corners at one position.
+  std::span<const std::uint32_t> part_of() const { return part_of_; }
   std::span<const Part> parts() const { return parts_; }
   std::span<const Edge> edges() const { return edges_; }
   std::span<const IrregularEdge> irregular_edges() const { return irregular_; }
@@ -100,6 +103,8 @@ class EdgeAdjacency {
   };
   struct HalfEdges;
   struct JoinedEdges;
+  /// Whether two corners of a casting triangle are at one position.
+  bool is_collapsed(std::uint32_t triangle) const;
   HalfEdges find_half_edges() const;
   void join_edges();
   void find_parts();

@@ -260,8 +260,10 @@ struct DepthStencil {
 GlLimits inputs_need(const Scene& scene, int width, int height);
 
 /// The triangles of a scene: uploaded at the first request after they changed, looked up after. A technique requests them in
-/// `build`, whose time so includes the upload; what holds them counts among its memory. The last few scenes are held: request
-/// again in every stage and keep no reference from one to the next.
+/// `build`, whose time so includes the upload; what holds them counts among its memory. Where vertices of a scene with motion
+/// were moved in place (Scene::pose_number), the first request after it writes all vertices into the same buffers, for
+/// `update`; indices, uv, masks and transmissions stay. The last few scenes are held: request again in every stage and keep no
+/// reference from one to the next.
 const SceneBuffers& scene_buffers(const Scene& scene);
 /// The same without an upload; null where no request came since the scene changed.
 const SceneBuffers* uploaded_scene(const Scene& scene);
@@ -284,7 +286,8 @@ struct UploadCost {
 /// Of those two, as far as they are held.
 UploadCost picture_uploads(const Scene& scene, const GBuffer& gbuffer);
 
-/// Frees what this part holds. Must be called before the context goes, or after a scene was edited in place.
+/// Frees what this part holds. Must be called before the context goes, or after a scene was edited in place without another
+/// Scene::pose_number.
 void release_inputs();
 
 /// What ends `setup` of a GL technique: its stages on a tiny built-in scene, under each kind of light it supports. Drivers

@@ -1,0 +1,87 @@
+// Times of a row of which the geometry moves: update, and the relight and resolve that follow it, from frame to frame.
+#include "measure/run/motion_walk.h"
+
+#include <gnomon/error.h>
+
+#include "measure/notice.h"
+
+namespace gnomon {
+
+int FrameOrder::next() {
+  if (now_ + step_ < 0 || now_ + step_ >= frames_) step_ = -step_;
+  return now_ += step_;
+}
+
+const FrameRequest& MotionFrames::request(int number) {
+  const auto known = requests_.find(number);
+  if (known != requests_.end()) return known->second;
+  RowFrame frame = first_;
+  frame.number = number;
+  run_.go_to(frame);
+  return requests_.emplace(number, run_.request(frame, truth_)).first->second;
+}
+
+MotionTime timed_motion(WorkerClient& worker, const FrameRequest& request, int number) {
+  const FrameReply reply = worker.frame(request);
+  if (!reply.support) throw Error("at frame {}: {}", number, reply.support.why());
+  MotionTime time;
+  time.update = worker.time(Stage::update);
+  time.update_clocks = worker.other_clocks();
+  time.relight = worker.time(Stage::relight);
+  time.resolve = worker.time(Stage::resolve);
+  return time;
+}
+
+int motion_iterations(double ms) {
+  constexpr double cheap_ms = 200;
+  constexpr int few = 4;
+  int least = 1;
+  while (least < few && 2 * least * ms <= cheap_ms) least *= 2;
+  return std::max(iterations_for(ms), least);
+}
+
+double MotionWalk::warm_up(int warmups) {
+  constexpr double most_ms = 300;
+  double least = 0, sum = 0;
+  for (int k = 0; k < warmups && sum < most_ms; ++k) {
+    const double ms = time_(order_.next()).sum();
+    least = k == 0 ? ms : std::min(least, ms);
+    sum += ms;
+  }
+  return least;
+}
+
+TimingTask MotionWalk::task(int repetitions, int iterations) {
+  TimingTask task;
+  task.repetitions = repetitions;
+  task.iterations = iterations;
+  task.milliseconds = [this](int frames) {
+    const auto start = std::chrono::steady_clock::now();
+    const double ms = add_sample(frames);
+    seconds += seconds_since(start);
+    return ms;
+  };
+  return task;
+}
+
+double MotionWalk::add_sample(int frames) {
+  MotionTime sum{.update_clocks = {.device = 0, .harness = 0}};
+  const auto add = [](std::optional<double>& to, const std::optional<double>& more) {
+    to = to && more ? std::optional(*to + *more) : std::nullopt;
+  };
+  for (int k = 0; k < frames; ++k) {
+    const MotionTime time = time_(order_.next());
+    sum.update += time.update;
+    sum.relight += time.relight;
+    sum.resolve += time.resolve;
+    add(sum.update_clocks.device, time.update_clocks.device);
+    add(sum.update_clocks.harness, time.update_clocks.harness);
+  }
+  relight.push_back(sum.relight / frames);
+  resolve.push_back(sum.resolve / frames);
+  if (const auto device = sum.update_clocks.device) update.device.push_back(*device / frames);
+  if (const auto harness = sum.update_clocks.harness) update.harness.push_back(*harness / frames);
+  return sum.update;
+}
+
+}  // namespace gnomon

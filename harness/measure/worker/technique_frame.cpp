@@ -1,0 +1,206 @@
+#include "measure/worker/technique_frame.h"
+
+#include <gnomon/kit/progress.h>
+
+#include "measure/program/elsewhere.h"
+#include "measure/progress.h"
+#include "measure/worker/counted_stage.h"
+
+namespace gnomon {
+
+TechniqueFrame::~TechniqueFrame() {
+  if (progress_) watch_progress(nullptr);
+}
+
+OpenRequest::Reply TechniqueFrame::open(const TechniqueEntry& entry, const OpenRequest& request) {
+  forget_frame();
+  posed_.reset();
+  scene_ = scene_in(request.scene);
+  posed_.emplace(scene_);
+  channels_.emplace(scene_);
+  entry_ = &entry;
+  objects_.emplace(*entry_, request.settings);
+  settings_ = request.settings;
+  watch_progress(nullptr);
+  progress_.emplace(request.progress);
+  watch_progress(&progress_->value());
+  uses_gl_ = entry_->about.needs_gl;
+  if (!uses_gl_) return {};
+  const GlInfo& info = process_context().info();
+  // llvmpipe's marks are not in order with its work: 0.2 ms for a resolve of 5, 2.6 for a build of 0.03.
+  if (info.driver != GlChoice::software) stopwatch_.emplace();
+  return {WorkerGl{.renderer = info.renderer,
+                   .version = info.version,
+                   .subpixel_bits = static_cast<int>(gl_limits()->subpixel_bits),
+                   .card = card_json(info)}};
+}
+
+void TechniqueFrame::forget_frame() {
+  if (uses_gl_) inputs_.forget(scenes());
+  fresh_ = -1;
+  masks_.clear();
+  lit_.clear();
+  lit_by_.clear();
+  lights_.reset();
+  gbuffers_.clear();
+  gbuffer_ = {};
+  bare_pass_.reset();
+}
+
+SetRequest::Reply TechniqueFrame::set(const std::string& settings) {
+  settings_ = settings;
+  if (const auto spoiled = objects_->set(settings)) fresh_ = std::min(fresh_, static_cast<int>(*spoiled) - 1);
+  return {fresh_ + 1};
+}
+
+void TechniqueFrame::pose(const std::optional<WantedPose>& wanted) {
+  const std::uint64_t before = scene_.pose_number;
+  // Meshes of another row have another reach, which a build reads.
+  if (!posed_->go_to(row_pose(wanted))) keep_up_to(Stage::setup);
+  if (scene_.pose_number != before) keep_up_to(Stage::build);
+  require_hash(*posed_, wanted, scene_.name);
+}
+
+GoRequest::Reply TechniqueFrame::go_to(const GoRequest& request) {
+  pose(request.pose);
+  const RequestedFrame requested = requested_frame(request, scene_);
+  // A viewer makes a new G-buffer with every move of the camera and does not come back to an old one; of a row that moves there
+  // may be thousands.
+  if (requested.is_free || request.pose)
+    std::erase_if(gbuffers_, [&](const auto& known) { return known.first != request.gbuffer; });
+  keep_up_to(requested.lit_by == lit_by_ ? Stage::relight : Stage::update);
+  if (!lights_ || requested.lit_by != lit_by_) lights_ = std::make_unique<std::vector<Light>>(requested.lights);
+  lit_by_ = requested.lit_by;
+  // The same G-buffer under another light stays mapped, and uploaded.
+  GBuffer& known = gbuffers_[request.gbuffer];
+  if (known.width != requested.key.width || known.height != requested.key.height)
+    known = map_gbuffer(request.gbuffer, requested.key);
+  bare_pass_.reset();
+  gbuffer_ = known;
+  const std::vector<Support> supports = hold_objects(requested.key);
+  const Support support = support_of_row(*lights_, supports);
+  GoRequest::Reply reply{.support = reply_of(support), .fresh = fresh_ + 1};
+  for (const Support& one : supports) reply.lights.push_back(reply_of(one));
+  if (supports.size() > 1) reply.shares = objects_->shares();
+  if (uses_gl_ && support && entry_->about.floor != Floor::none) reply.floor = name(entry_->about.floor);
+  return reply;
+}
+
+std::vector<Support> TechniqueFrame::hold_objects(const FrameKey& key) {
+  const auto technique = entry_->make();
+  technique->apply(settings_);
+  const Support inputs = uses_gl_ ? within_limits(inputs_need(scene_, key.width, key.height)) : Support::full();
+  std::vector<Support> supports;
+  std::vector<std::size_t> scenes;  // by number, of the lights that are supported
+  masks_.clear();
+  const std::vector<std::size_t> before = std::exchange(lit_, {});
+  for (std::size_t k = 0; k < lights_->size(); ++k) {
+    const Light& light = (*lights_)[k];
+    supports.push_back(inputs ? support_of(entry_->about, *technique, channels_->of(light), light, key.view) : inputs);
+    masks_.emplace_back(key.width, key.height);
+    if (supports.back()) lit_.push_back(k);
+    if (supports.back()) scenes.push_back(static_cast<std::size_t>(channel_of(light.name).value_or(Channel::red)));
+    // A light without shadows, of several: lit everywhere.
+    if (!supports.back()) std::ranges::fill(masks_.back().pixels(), 1.0f);
+  }
+  if (scenes.empty() ? objects_->hold(1) : objects_->hold_by_scene(scenes)) fresh_ = -1;
+  // What a technique supports may depend on the view: an object then belongs to another light, or is new.
+  if (lit_ != before) keep_up_to(Stage::update);
+  return supports;
+}
+
+void TechniqueFrame::bring_up(Stage last) {
+  for (const Stage stage : all_stages)
+    if (stage <= last && static_cast<int>(stage) > fresh_) time(stage);
+}
+
+TimeRequest::Reply TechniqueFrame::time_stage(const TimeRequest& request) {
+  if (request.iterations < 1) throw Error("iterations = {} is below 1", request.iterations);
+  if (request.stage > Stage::setup) bring_up(static_cast<Stage>(static_cast<int>(request.stage) - 1));
+  double harness_sum = 0;
+  bool is_own = false;
+  TimeRequest::Reply reply{.device_ms = 0};
+  const auto start = std::chrono::steady_clock::now();
+  do {
+    const StageTime time = this->time(request.stage);
+    harness_sum += time.harness_ms;
+    reply.ms += time.own_ms.value_or(time.harness_ms);
+    is_own = is_own || time.own_ms;
+    const auto device_ms = stopwatch_ ? stopwatch_->milliseconds() : std::nullopt;
+    reply.device_ms = reply.device_ms && device_ms ? std::optional(*reply.device_ms + *device_ms) : std::nullopt;
+    ++reply.iterations;
+  } while (reply.iterations < request.iterations && seconds_since(start) < longest_portion_seconds);
+  if (is_own) reply.harness_ms = harness_sum;
+  return reply;
+}
+
+FloorRequest::Reply TechniqueFrame::floor(int times) {
+  // Else the pass would find positions that no stage has uploaded.
+  if (fresh_ == static_cast<int>(Stage::build)) time(Stage::update);
+  const Scene& scene = **scenes().begin();
+  return inputs_.beside(scene, [&] {
+    if (!bare_pass_) bare_pass_.emplace(entry_->about.floor, scene, gbuffer_);
+    return bare_pass_->time(times, stopwatch_ ? &*stopwatch_ : nullptr);
+  });
+}
+
+TechniqueFrame::StageTime TechniqueFrame::time(Stage stage) {
+  if (stage >= Stage::relight && masks_.empty()) throw Error("a worker cannot {} before it has a frame", name(stage));
+  if (stage >= Stage::relight && lit_.empty()) throw Error("a worker cannot {} lights that its technique refuses", name(stage));
+  // A build reads all positions: for it what moved is taken and forgotten.
+  const bool sees_meshes = stage == Stage::build || stage == Stage::update;
+  const Changes changes = sees_meshes ? posed_->take_changes() : Changes();
+  if (uses_gl_) inputs_.prepare(stage, scenes(), gbuffer_);
+  std::optional<CountedStage> counted(std::in_place, name(stage).data());
+  const auto start = std::chrono::steady_clock::now();
+  if (stopwatch_) stopwatch_->start();
+  const std::optional<double> own_ms = call(stage, changes);
+  if (stopwatch_) stopwatch_->stop();
+  if (uses_gl_) glFinish();
+  const double ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+  counted.reset();
+  if (const GLenum code = uses_gl_ ? glGetError() : GLenum{GL_NO_ERROR}; code != GL_NO_ERROR)
+    throw Error("OpenGL error {:#x}", code);
+  fresh_ = static_cast<int>(fresh_after(stage));
+  if (uses_gl_) inputs_.end_stage();
+  if (own_ms && !(*own_ms >= 0 && *own_ms <= ms))
+    throw Error("{} took {:g} ms by the technique's own clock, {:g} ms by the harness's", name(stage), *own_ms, ms);
+  return {.harness_ms = ms, .own_ms = own_ms};
+}
+
+std::optional<double> TechniqueFrame::call(Stage stage, const Changes& changes) {
+  std::optional<double> own_ms;
+  objects_->each(stage, [&](Technique& technique, std::size_t k) {
+    const auto built_on = [&]() -> const Scene& { return lit_.empty() ? scene_ : channels_->of((*lights_)[lit_[k]]); };
+    if (stage == Stage::setup) technique.setup();
+    if (stage == Stage::build) technique.build(built_on());
+    if (stage == Stage::update) technique.update(built_on(), changes);
+    if (stage == Stage::relight) technique.relight((*lights_)[lit_[k]]);
+    if (stage == Stage::resolve) technique.resolve(gbuffer_, masks_[lit_[k]]);
+    if (const WorksElsewhere* const there = elsewhere(technique))
+      if (const auto ms = there->own_ms()) own_ms = own_ms.value_or(0) + *ms;
+  });
+  return own_ms;
+}
+
+Technique* TechniqueFrame::object_of(std::size_t light) {
+  if (light >= masks_.size()) throw Error("there is no light {}: the frame has {}", light, masks_.size());
+  const auto found = std::ranges::find(lit_, light);
+  return found == lit_.end() ? nullptr : &(*objects_)[static_cast<std::size_t>(found - lit_.begin())];
+}
+
+void TechniqueFrame::require_pixel(std::uint32_t pixel) const {
+  if (pixel >= gbuffer_.size()) throw Error("there is no pixel {}: the picture has {}", pixel, gbuffer_.size());
+}
+
+std::optional<GlInputs> TechniqueFrame::gl_inputs() {
+  return uses_gl_ ? std::optional(inputs_.facts(scenes(), gbuffer_)) : std::nullopt;
+}
+
+std::set<const Scene*> TechniqueFrame::scenes() {
+  std::set<const Scene*> scenes;
+  for (const std::size_t k : lit_) scenes.insert(&channels_->of((*lights_)[k]));
+  return scenes.empty() ? std::set<const Scene*>{&scene_} : scenes;
+}
+
+}  // namespace gnomon
