@@ -31,7 +31,8 @@ constexpr About about{
         "where alpha is neither 0 nor 1. A texel holds no product: glass is taken for opaque or left out.",
     .fails =
         "Pixels that ask for pages far apart: surfaces edge-on to the light, leaves and grass; a page is then drawn for a few "
-        "pixels. All but the fit is work of resolve, paid for in every picture.",
+        "pixels. All but the fit is work of resolve, paid for in every picture, also where only one caster moved since the one "
+        "before: no page is kept.",
     .needs_gl = true,
     .floor = Floor::depth_draw,
     .handles = with_gray_transmission,
@@ -85,15 +86,29 @@ class VirtualMap final : public Technique {
   void build(const Scene& scene) override {
     made_->scene = &scene;
     made_->boxes = mesh_boxes(scene, glass.as());
+    made_->moving.build(scene);
     made_->glass_difference = {scene, glass.as()};
     made_->solid_parts = solid_parts(scene);
     scene_buffers(scene);
     made_->drawer.build(scene, alpha.rule());
   }
+  void update(const Scene& scene, const Changes& changes) override {
+    if (!made_->moving.update(scene, changes)) return build(scene);
+    made_->glass_difference = {scene, glass.as()};
+    for (std::size_t m = 0; m < scene.meshes.size(); ++m)
+      if (changes.meshes[m].kind != MeshChange::Kind::still) made_->solid_parts[m] = solid_parts(scene.meshes[m]);
+    scene_buffers(scene);
+  }
   void relight(const Light& light) override {
     light_ = light;
-    camera_ = finest_camera(light, made_->boxes);
-    footprints_ = footprints_of(*made_->scene, made_->solid_parts, camera_);
+    LightCamera camera = finest_camera(light, made_->boxes);
+    std::optional<EarlierFootprints> earlier;
+    if (made_->moving.number().is_update_of(number_) && camera == camera_)
+      earlier.emplace(EarlierFootprints{footprints_, made_->moving});
+    number_ = {};  // until all are found
+    footprints_ = footprints_of(*made_->scene, made_->solid_parts, camera, earlier);
+    camera_ = std::move(camera);
+    number_ = made_->moving.number();
   }
   void resolve(const GBuffer& gbuffer, VisibilityMask& mask) override {
     const StateGuard guard;
@@ -110,7 +125,8 @@ class VirtualMap final : public Technique {
     glFinish();
   }
   Counts counts() const override {
-    const double shared_bytes = static_cast<double>(made_->drawer.bytes() + bytes_of(made_->solid_parts));
+    const double shared_bytes =
+        static_cast<double>(made_->drawer.bytes() + bytes_of(made_->solid_parts) + made_->moving.bytes());
     const double bytes = static_cast<double>(pool_.bytes + addresses_.bytes + places_.bytes + lists_.bins.bytes() +
                                              bytes_of(footprints_.all, asked_, table_.pages, lists_.corners));
     return {{"pages_asked_for", double(table_.asked_count), "page"},
@@ -258,11 +274,13 @@ class VirtualMap final : public Technique {
     const Scene* scene = nullptr;
     GlassDifference glass_difference;
     MeshBoxes boxes;
+    MovingMeshes moving;
     SolidParts solid_parts;
   };
   Shared<Made> made_;
   Light light_;
-  LightCamera camera_;  // of level 0
+  LightCamera camera_;           // of level 0
+  MovingMeshes::Number number_;  // of what the footprints are of
   Footprints footprints_;
   std::vector<std::uint32_t> asked_;  // by pixel: a PageAddress
   PageTable table_;

@@ -3,6 +3,8 @@
 #include <gnomon/kit/geometry/clip.h>
 #include <gnomon/kit/maps/light_map.h>
 
+#include <optional>
+
 #include "pages.h"
 
 // Which triangles touch which pages.
@@ -133,25 +135,52 @@ inline std::vector<LevelPages> levels_of(const PageTable& table) {
   return levels;
 }
 
-inline Footprints footprints_of(const Scene& scene, const SolidParts& solid_parts, const LightCamera& camera) {
+/// Footprints of an earlier pose of the scene, under an equal camera: those of meshes that stand still hold.
+struct EarlierFootprints {
+  const Footprints& all;
+  const MovingMeshes& moving;
+
+  /// Of a mesh on a face.
+  std::span<const Footprint> of(std::size_t face, std::uint32_t mesh) const {
+    const std::span<const Footprint> on_face =
+        std::span(all.all).subspan(all.begin[face], all.begin[face + 1] - all.begin[face]);
+    // Casters of an image are in order.
+    const auto first = std::ranges::lower_bound(on_face, mesh, {}, &Footprint::mesh);
+    const auto end = std::ranges::upper_bound(on_face, mesh, {}, &Footprint::mesh);
+    return on_face.subspan(first - on_face.begin(), end - first);
+  }
+};
+
+/// Adds those of a caster in an image.
+inline void add_footprints(const Mesh& mesh, std::uint32_t number, const LightImage& image, bool only_lit,
+                           std::vector<Footprint>& all) {
+  std::vector<std::vector<Footprint>> found((mesh.triangles.size() + list_block - 1) / list_block);
+  for_blocks(mesh.triangles.size(), list_block, [&](std::size_t begin, std::size_t end) {
+    for (auto i = static_cast<std::uint32_t>(begin); i < end; ++i) {
+      const auto q = seen(image, mesh, i);
+      glm::dvec2 low, high;
+      if (only_lit && is_turned_away(image, q)) continue;
+      if (find_box(image, q, low, high)) found[begin / list_block].push_back({low, high, number, i});
+    }
+  });
+  for (const auto& mine : found) all.insert(all.end(), mine.begin(), mine.end());
+}
+
+/// Of what stands still from `earlier`, where it is given.
+inline Footprints footprints_of(const Scene& scene, const SolidParts& solid_parts, const LightCamera& camera,
+                                const std::optional<EarlierFootprints>& earlier = {}) {
   Footprints footprints;
-  std::vector<std::vector<Footprint>> found;
-  for (const LightImage& image : camera.images) {
+  for (std::size_t face = 0; face < camera.images.size(); ++face) {
+    const LightImage& image = camera.images[face];
     footprints.begin.push_back(footprints.all.size());
     if (image.layer < 0) continue;
     for (const std::uint32_t m : image.casters) {
-      const Mesh& mesh = scene.meshes[m];
-      const bool only_lit = is_seen_from_outside(solid_parts[m], image);
-      found.assign((mesh.triangles.size() + list_block - 1) / list_block, {});
-      for_blocks(mesh.triangles.size(), list_block, [&](std::size_t begin, std::size_t end) {
-        for (auto i = static_cast<std::uint32_t>(begin); i < end; ++i) {
-          const auto q = seen(image, mesh, i);
-          glm::dvec2 low, high;
-          if (only_lit && is_turned_away(image, q)) continue;
-          if (find_box(image, q, low, high)) found[begin / list_block].push_back({low, high, m, i});
-        }
-      });
-      for (const auto& mine : found) footprints.all.insert(footprints.all.end(), mine.begin(), mine.end());
+      if (earlier && !earlier->moving.moves(m)) {
+        const std::span<const Footprint> kept = earlier->of(face, m);
+        footprints.all.insert(footprints.all.end(), kept.begin(), kept.end());
+      } else {
+        add_footprints(scene.meshes[m], m, image, is_seen_from_outside(solid_parts[m], image), footprints.all);
+      }
     }
   }
   footprints.begin.push_back(footprints.all.size());

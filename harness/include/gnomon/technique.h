@@ -135,8 +135,8 @@ class Technique : public Parametrized {
   virtual void build(const Scene& scene) = 0;
   /// Vertices of the scene that build got last moved in place; triangles, masks, flags and all else are the same. Update may
   /// keep all that no change spoils, and afterwards the technique answers as after a build, within `About::update_error`. The
-  /// first relight after it may keep what no change spoils, too, where it is under the very light of the relight before. By
-  /// default it builds.
+  /// first relight after it may keep what no change spoils, too, where it is under the very light of the relight before; what
+  /// depends on the picture the first resolve after that relight may. By default it builds.
   virtual void update(const Scene& scene, [[maybe_unused]] const Changes& changes) { build(scene); }
   virtual void relight(const Light& light) = 0;
   /// Writes every pixel of the mask and nothing else.

@@ -79,9 +79,15 @@ void AreaMap::build(const Scene& scene) {
   made_->glass_difference = {scene, glass.as()};
 }
 
+void AreaMap::update(const Scene& scene, const Changes& changes) {
+  if (!made_->depth_images.update(scene, changes)) return build(scene);
+  made_->glass_difference = {scene, glass.as()};
+}
+
 void AreaMap::relight(const Light& light) {
   const StateGuard guard;
   light_ = light;
+  images_.still.start_relight(made_->depth_images.moving(), update_by);
   center_ = light;
   center_.kind = PointLight{glm::vec3(homogeneous_of_center(light))};
   made_->depth_images.use_alpha(alpha.rule());
@@ -96,7 +102,7 @@ void AreaMap::draw_images(LightCamera&& camera) {
 }
 
 std::size_t AreaMap::draw(Images& images, const HoleTest& test) const {
-  const std::size_t triangles = made_->depth_images.draw(camera_, images.depths, DepthImages::Faces::lit, test);
+  const std::size_t triangles = made_->depth_images.draw(camera_, images.depths, images.still, DepthImages::Faces::lit, test);
   const int side = (resolution + area_map_block - 1) / area_map_block;
   images.nearest.fit(GL_R32F, side, side, std::max(camera_.layer_count, 1));
   const Program& program = made_->nearest_program;
@@ -144,11 +150,11 @@ void AreaMap::look_up(const Program& program, const Images& images, unsigned tar
 
 Counts AreaMap::counts() const {
   const double texels = double(resolution) * resolution * camera_.layer_count;
-  return {
-      {"texels", texels, "texel"},
-      {"faces", double(camera_.layer_count), ""},
-      {"triangles", double(drawn_triangles_), ""},
-      {"bytes", double(images_.depths.bytes + images_.nearest.bytes) + made_.own(double(made_->depth_images.bytes())), "byte"}};
+  const double bytes = double(images_.depths.bytes + images_.still.bytes() + images_.nearest.bytes);
+  return {{"texels", texels, "texel"},
+          {"faces", double(camera_.layer_count), ""},
+          {"triangles", double(drawn_triangles_), ""},
+          {"bytes", bytes + made_.own(double(made_->depth_images.bytes())), "byte"}};
 }
 
 void AreaMap::start_questions() const {

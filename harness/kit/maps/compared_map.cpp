@@ -71,9 +71,15 @@ void ComparedMap::build(const Scene& scene) {
   made_->glass_difference = {scene, glass.as()};
 }
 
+void ComparedMap::update(const Scene& scene, const Changes& changes) {
+  if (!made_->depth_images.update(scene, changes)) return build(scene);
+  made_->glass_difference = {scene, glass.as()};
+}
+
 void ComparedMap::relight(const Light& light) {
   const StateGuard guard;
   light_ = light;
+  depths_.still.start_relight(made_->depth_images.moving(), update_by);
   made_->depth_images.use_alpha(alpha.rule());
   std::optional<LightCamera> camera = fitted_to_scene(light, made_->depth_images.boxes(), comparison().margin());
   draws_in_resolve_ = !camera;
@@ -91,7 +97,7 @@ std::size_t ComparedMap::draw(Depths& depths, const HoleTest& test) const {
   using enum DepthImages::Faces;
   DepthImages& depth_images = made_->depth_images;
   const StoredDepth stored = stored_depth();
-  std::size_t triangles = depth_images.draw(camera_, depths.first, stored.needs_second() ? all : lit, test);
+  std::size_t triangles = depth_images.draw(camera_, depths.first, depths.still, stored.needs_second() ? all : lit, test);
   if (stored.needs_second()) triangles += depth_images.draw_second(camera_, depths.first, depths.second, test);
   if (stored.is_combined()) made_->combination.run(camera_, stored, depths.first, depths.second, depths.combined);
   return triangles;
@@ -119,7 +125,8 @@ Counts ComparedMap::counts() const {
   const StoredDepth stored = stored_depth();
   const int images = 1 + stored.needs_second() + stored.is_combined();
   const double texels = double(resolution) * resolution * camera_.layer_count * images;
-  const double bytes = double(images * depths_.first.bytes) + made_.own(double(made_->depth_images.bytes()));
+  const double bytes =
+      double(images * depths_.first.bytes + depths_.still.bytes()) + made_.own(double(made_->depth_images.bytes()));
   return {{"texels", texels, "texel"},
           {"faces", double(camera_.layer_count), ""},
           {"triangles", double(drawn_triangles_), ""},

@@ -101,9 +101,15 @@ void FilteredMap::build(const Scene& scene) {
   made_->glass_difference = {scene, glass.as()};
 }
 
+void FilteredMap::update(const Scene& scene, const Changes& changes) {
+  if (!made_->depth_images.update(scene, changes)) return build(scene);
+  made_->glass_difference = {scene, glass.as()};
+}
+
 void FilteredMap::relight(const Light& light) {
   const StateGuard guard;
   light_ = light;
+  images_.still.start_relight(made_->depth_images.moving(), update_by);
   made_->depth_images.use_alpha(alpha.rule());
   if (fit.is("scene")) draw_images(fit_to_scene(light, made_->depth_images.boxes(), resolution, used_prefilter().margin()));
   glFinish();
@@ -116,7 +122,7 @@ void FilteredMap::draw_images(LightCamera&& camera) {
 }
 
 std::size_t FilteredMap::draw(Images& images, const HoleTest& test) const {
-  const std::size_t triangles = made_->depth_images.draw(camera_, images.depths, DepthImages::Faces::lit, test);
+  const std::size_t triangles = made_->depth_images.draw(camera_, images.depths, images.still, DepthImages::Faces::lit, test);
   const Prefilter filter = used_prefilter();
   const bool has_levels = filter.kind == Prefilter::Kind::mips;
   Texture& means = images.means;
@@ -169,10 +175,11 @@ Counts FilteredMap::counts() const {
   const double texels = double(resolution) * resolution * camera_.layer_count;
   // The blur's own image is as large as that which it blurs.
   const double shared_bytes = double(made_->depth_images.bytes() + (is_blurred() ? images_.means.bytes : 0));
-  return {{"texels", texels, "texel"},
-          {"faces", double(camera_.layer_count), ""},
-          {"triangles", double(drawn_triangles_), ""},
-          {"bytes", double(images_.depths.bytes + images_.means.bytes) + made_.own(shared_bytes), "byte"}};
+  return {
+      {"texels", texels, "texel"},
+      {"faces", double(camera_.layer_count), ""},
+      {"triangles", double(drawn_triangles_), ""},
+      {"bytes", double(images_.depths.bytes + images_.still.bytes() + images_.means.bytes) + made_.own(shared_bytes), "byte"}};
 }
 
 void FilteredMap::start_questions() const {

@@ -221,14 +221,23 @@ void GlassMap::build(const Scene& scene) {
   made_->opaque_programs.fit(scene);
 }
 
+void GlassMap::update(const Scene& scene, const Changes& changes) {
+  if (!made_->depth_images.update(scene, changes)) return build(scene);
+  made_->read_of = nullptr;
+  made_->lists.reset();
+  made_->exact.reset();
+}
+
 void GlassMap::relight(const Light& light) {
   const StateGuard guard;
   light_ = light;
+  still_.start_relight(made_->depth_images.moving(), update_by);
+  still_.is_drawn_over = made_->has_glass;
   if (made_->read_of == this) made_->read_of = nullptr;
   camera_ = fit_to_scene(light, made_->boxes, resolution, comparison().margin());
   LightCamera opaque = camera_;
   for (LightImage& image : opaque.images) std::erase_if(image.casters, [&](std::uint32_t m) { return made_->is_glass[m]; });
-  drawn_triangles_ = made_->depth_images.draw(opaque, depths_);
+  drawn_triangles_ = made_->depth_images.draw(opaque, depths_, still_, DepthImages::Faces::lit, {});
   if (made_->has_glass) {
     draw_opaque_texels();
     draw_all_glass();
@@ -296,7 +305,7 @@ void GlassMap::look_up(const Program& program, unsigned target) const {
 }
 
 Counts GlassMap::counts() const {
-  const double bytes = double(depths_.bytes) + double(glass_bytes()) + made_.own(double(made_->depth_images.bytes()));
+  const double bytes = double(depths_.bytes + still_.bytes() + glass_bytes()) + made_.own(double(made_->depth_images.bytes()));
   Counts counts{{"texels", double(resolution) * resolution * camera_.layer_count, "texel"},
                 {"faces", double(camera_.layer_count), ""},
                 {"triangles", double(drawn_triangles_), ""},

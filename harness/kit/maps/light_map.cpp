@@ -4,96 +4,10 @@ namespace gnomon {
 
 namespace {
 
-const std::string second_fragment = R"(
-layout(binding = 3) uniform sampler2DArray first_depth;
-uniform int layer;
-void main() {
-#ifdef MASKED
-  if (in_hole()) discard;
-#endif
-  if (gl_FragCoord.z >= texelFetch(first_depth, ivec3(gl_FragCoord.xy, layer), 0).r) discard;
-}
-)";
-
 /// Of a camera, at most.
 int image_count(bool is_cube, LightImages images) { return is_cube ? 6 : images == LightImages::slices ? ViewSlices::most : 1; }
 
 }  // namespace
-
-bool is_seen_from_outside(std::span<const Bounds> solid_parts, const LightSpaceFace& face) {
-  const auto holds_light = [&](const Bounds& part) { return part.holds(face.origin); };  // a part's box holds its border, too
-  return !solid_parts.empty() && !(face.is_perspective && std::ranges::any_of(solid_parts, holds_light));
-}
-
-void DepthImages::setup() {
-  first_ = CasterPrograms("depth from the light", depth_vertex, depth_fragment);
-  second_ = CasterPrograms("second depth from the light", depth_vertex, second_fragment);
-  framebuffer_ = make_framebuffer();
-}
-
-void DepthImages::build(const Scene& scene, AlphaRule rule, GlassAs glass) {
-  scene_ = &scene;
-  boxes_ = mesh_boxes(scene, glass);
-  solid_parts_ = solid_parts(scene);
-  scene_buffers(scene);
-  alpha_levels_ = {};
-  use_alpha(rule);
-}
-
-void DepthImages::use_alpha(AlphaRule rule) {
-  alpha_levels_.use(*scene_, rule);
-  first_.fit(*scene_, rule);
-  second_.fit(*scene_, rule);
-}
-
-std::size_t DepthImages::draw(const LightCamera& camera, Texture& target, Faces faces, const HoleTest& test) {
-  return draw(first_, camera, target, faces, test);
-}
-
-std::size_t DepthImages::draw_second(const LightCamera& camera, const Texture& first, Texture& target, const HoleTest& test) {
-  glBindTextureUnit(3, first.name());
-  return draw(second_, camera, target, Faces::all, test);
-}
-
-std::size_t DepthImages::draw(CasterPrograms& programs, const LightCamera& camera, Texture& target, Faces faces,
-                              const HoleTest& test) {
-  if (test.rule != hole_test().rule) programs.fit(*scene_, test.rule);
-  target.fit(GL_DEPTH_COMPONENT32F, camera.resolution, camera.resolution, std::max(camera.layer_count, 1));
-  const SceneBuffers& buffers = scene_buffers(*scene_);
-  const GLuint framebuffer = framebuffer_.name();
-  glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
-  glViewport(0, 0, camera.resolution, camera.resolution);
-  glEnable(GL_DEPTH_TEST);
-  glEnable(GL_DEPTH_CLAMP);
-  glDepthFunc(GL_GREATER);
-  std::size_t triangles = 0;
-  std::vector<std::uint32_t> lit, all;
-  for (const LightImage& image : camera.images) {
-    if (image.layer < 0) continue;
-    glNamedFramebufferTextureLayer(framebuffer, GL_DEPTH_ATTACHMENT, target.name(), 0, image.layer);
-    const float infinitely_far = 0;
-    glClearNamedFramebufferfv(framebuffer, GL_DEPTH, 0, &infinitely_far);
-    programs.set("clip_from_world", glm::mat4(image.clip_from_world(camera.resolution)));
-    programs.set_if_used("layer", image.layer);
-    lit.clear();
-    all.clear();
-    for (const std::uint32_t m : image.casters) {
-      (faces == Faces::lit && is_seen_from_outside(solid_parts_[m], image) ? lit : all).push_back(m);
-      triangles += buffers.meshes[m].triangle_count;
-    }
-    buffers.draw(all, programs, test);
-    if (lit.empty()) continue;
-    glEnable(GL_CULL_FACE);
-    glFrontFace(glm::determinant(image.light_from_world) < 0 ? GL_CW : GL_CCW);  // a mirrored face turns triangles about
-    buffers.draw(lit);                                                           // bodies: none has holes
-    glDisable(GL_CULL_FACE);
-  }
-  glFrontFace(GL_CCW);
-  glDisable(GL_DEPTH_CLAMP);
-  glDisable(GL_DEPTH_TEST);
-  glNamedFramebufferTexture(framebuffer, GL_DEPTH_ATTACHMENT, 0, 0);
-  return triangles;
-}
 
 LightProjection projection_of(const LightCamera& camera) {
   if (camera.is_cube()) return LightProjection::cube;

@@ -8,6 +8,7 @@
 #include "map_scenes.h"
 #include "techniques/virtual_map/draw_lists.h"
 #include "techniques/virtual_map/pool.h"
+#include "walking_world.h"
 
 namespace virtual_map_pages_test {
 using namespace gnomon;
@@ -154,6 +155,36 @@ TEST(VirtualMapPages, a_sliver_is_drawn_in_the_pages_that_it_crosses) {
         if (footprints.all[item].mesh == 1) crossed.emplace(table.pages[slot].page().x, table.pages[slot].page().y);
   EXPECT_EQ(crossed, (std::set<std::pair<int, int>>{{0, 0}, {1, 0}, {1, 1}, {2, 1}}));
   release_inputs();
+}
+
+// The second box moves up, the ground and the first box stand still. Casters are in order, also where a face sees none of one.
+TEST(VirtualMapPages, footprints_of_what_stands_still_hold_in_a_later_pose) {
+  Scene scene = walking_world::walking_scene();
+  PosedScene posed(scene);
+  posed.go_to(walking_world::in_row(0, "lift"));
+  MovingMeshes moving;
+  moving.build(scene);
+  const MeshBoxes boxes = mesh_boxes(scene);
+  std::vector<Light> lights = scene.lights;
+  lights.push_back({.name = "low", .kind = PointLight{{0.25f, 1.75f, 2}}});
+  for (const Light& light : lights) {
+    posed.go_to(walking_world::in_row(0, "lift"));
+    const LightCamera camera = finest_camera(light, boxes);
+    const Footprints before = footprints_of(scene, solid_parts(scene), camera);
+    posed.go_to(walking_world::in_row(0.5, "lift"));
+    const SolidParts solid = solid_parts(scene);
+    const Footprints all = footprints_of(scene, solid, camera);
+    const Footprints kept = footprints_of(scene, solid, camera, EarlierFootprints{before, moving});
+    EXPECT_EQ(kept.begin, all.begin) << light.name;
+    ASSERT_EQ(kept.all.size(), all.all.size()) << light.name;
+    bool has_moved = false;
+    for (std::size_t i = 0; i < all.all.size(); ++i) {
+      const Footprint &a = kept.all[i], &b = all.all[i];
+      EXPECT_TRUE(a.mesh == b.mesh && a.triangle == b.triangle && a.low == b.low && a.high == b.high) << light.name << ' ' << i;
+      has_moved = has_moved || i >= before.all.size() || before.all[i].low != b.low;
+    }
+    EXPECT_TRUE(has_moved) << light.name;
+  }
 }
 
 }  // namespace virtual_map_pages_test

@@ -46,6 +46,7 @@ class AreaMap : public Technique {
   Support supports(const Scene& scene, const Light& light, const View&) const override;
   void setup() override;
   void build(const Scene& scene) override;
+  void update(const Scene& scene, const Changes& changes) override;
   void relight(const Light& light) override;
   void resolve(const GBuffer& gbuffer, VisibilityMask& mask) override;
   Counts counts() const override;
@@ -77,6 +78,7 @@ class AreaMap : public Technique {
                      "Beside the bias of the receiver's plane: along the image's axis, in widths of a texel at the point.");
   AlphaSetting alpha{this, Stage::relight};
   GlassSetting glass{this};
+  UpdateSetting update_by{this};
 
   /// What all lights share: a member of it each technique passes to `another`.
   struct Made {
@@ -115,6 +117,7 @@ class AreaMap : public Technique {
   /// Of all images.
   struct Images {
     Texture depths, nearest;
+    DepthImages::StillLayer still;  // of the depths
   };
   int margin() const { return most_radius + 2; }
   int program_index() const { return std::holds_alternative<RectLight>(light_.kind) ? 0 : 1; }

@@ -19,6 +19,7 @@ class ComparedMap : public Technique {
   }
   void setup() override;
   void build(const Scene& scene) override;
+  void update(const Scene& scene, const Changes& changes) override;
   void relight(const Light& light) override;
   void resolve(const GBuffer& gbuffer, VisibilityMask& mask) override;
   Counts counts() const override;
@@ -68,12 +69,14 @@ class ComparedMap : public Technique {
   Number<int> filter_radius;
   AlphaSetting alpha{this, Stage::relight};
   GlassSetting glass{this};
+  UpdateSetting update_by{this};
 
   /// Biases are for one texel: a filter compares with texels farther away.
   MapComparison comparison() const;
   /// Arrays with one layer for each image that is drawn.
   struct Depths {
     Texture first, second, combined;
+    DepthImages::StillLayer still;  // of the first
   };
   const Texture& map(const Depths& depths) const {
     const StoredDepth stored = stored_depth();

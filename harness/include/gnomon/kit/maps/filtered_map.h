@@ -14,6 +14,7 @@ class FilteredMap : public Technique {
   Support supports(const Scene&, const Light& light, const View&) const override;
   void setup() override;
   void build(const Scene& scene) override;
+  void update(const Scene& scene, const Changes& changes) override;
   void relight(const Light& light) override;
   void resolve(const GBuffer& gbuffer, VisibilityMask& mask) override;
   Counts counts() const override;
@@ -73,6 +74,7 @@ class FilteredMap : public Technique {
                                                  "Answers up to this are dark, and the rest is stretched to 0 .. 1.");
   AlphaSetting alpha{this, Stage::relight};
   GlassSetting glass{this};
+  UpdateSetting update_by{this};
 
   /// What all lights share: a member of it each technique passes to `another`.
   struct Made {
@@ -96,6 +98,7 @@ class FilteredMap : public Technique {
   /// Of all images.
   struct Images {
     Texture depths, means;
+    DepthImages::StillLayer still;  // of the depths
   };
   void draw_images(LightCamera&& camera);
   /// Draws the images of the present camera; answers how many triangles were drawn.

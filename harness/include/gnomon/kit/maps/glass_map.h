@@ -54,6 +54,7 @@ class GlassMap : public Technique {
   Support supports(const Scene& scene, const Light& light, const View&) const override;
   void setup() override;
   void build(const Scene& scene) override;
+  void update(const Scene& scene, const Changes& changes) override;
   void relight(const Light& light) override;
   void resolve(const GBuffer& gbuffer, VisibilityMask& mask) override;
   Counts counts() const override;
@@ -148,6 +149,7 @@ class GlassMap : public Technique {
   Number<int> resolution;
   Number<double> depth_bias, slope_bias;
   Choice filter;
+  UpdateSetting update_by{this};
 
   MapComparison comparison() const;
   /// Of a scene with glass, and with alpha masks or without.
@@ -187,6 +189,7 @@ class GlassMap : public Technique {
   Light light_;
   LightCamera camera_;
   Texture depths_;
+  DepthImages::StillLayer still_;
   std::size_t drawn_triangles_ = 0;
   const GBuffer* gbuffer_ = nullptr;
 };

@@ -31,6 +31,7 @@ struct LightImage : LightSpaceFace {
   std::vector<std::uint32_t> casters{};  ///< indices of the meshes to draw; none: nothing to draw and nothing to look up
   int layer = -1;                        ///< of the texture that holds the images of a camera; -1: it has no casters
 
+  bool operator==(const LightImage&) const = default;
   /// What a warped image divides by: 1 at the pivot, larger where texels are.
   double divisor(const glm::dvec2& window) const { return 1 + lean * (window.y - pivot.y); }
   glm::dvec2 texel_of(const glm::dvec2& window) const { return (window - pivot) / divisor(window) * scale + offset; }
@@ -81,6 +82,7 @@ struct ViewSlices {
   glm::dvec3 eye{0}, axis{0};  ///< depth is measured along the axis, unit, from the eye
   std::vector<double> ends{};  ///< where all slices but the last one end, ascending, meters
 
+  bool operator==(const ViewSlices&) const = default;
   double depth_of(const glm::dvec3& point) const { return glm::dot(axis, point - eye); }
   int slice_of(const glm::dvec3& point) const {
     return static_cast<int>(std::ranges::lower_bound(ends, depth_of(point)) - ends.begin());
@@ -105,6 +107,8 @@ struct LightCamera {
   double rounding = 0;  ///< float32 error of an axis distance that a shader computes, meters
   ViewSlices slices{};
 
+  /// Images of equal cameras are drawn alike.
+  bool operator==(const LightCamera&) const = default;
   bool is_cube() const { return space.face_count() == 6; }
   /// The image that a point is looked up in.
   int image_of(const glm::dvec3& point) const { return is_cube() ? space.face_of(point) : slices.slice_of(point); }

@@ -3,6 +3,7 @@
 #include <gnomon/kit/gl/gl_pass.h>
 #include <gnomon/kit/maps/alpha_levels.h>
 #include <gnomon/kit/maps/light_camera.h>
+#include <gnomon/kit/maps/moving_meshes.h>
 
 #include <functional>
 
@@ -18,12 +19,37 @@ class DepthImages {
   /// Every triangle, or of solid casters only what is turned to the light: the first surface is the same.
   enum class Faces { all, lit };
 
+  /// What one light of a technique has beside an image of first surfaces that is drawn by layers: an image of the casters that
+  /// stand still, and how it was drawn. Keep it with that image, its only one.
+  class StillLayer {
+   public:
+    /// A relight begins. The first one after an update may keep the layer; where the technique draws in resolve, the first
+    /// resolve after that relight may. Before the first call there are no layers, nor without `wanted`.
+    void start_relight(const MovingMeshes& moving, const UpdateSetting& wanted);
+    std::size_t bytes() const { return image_.bytes; }
+    /// The technique draws more than casters into the image: all of it is copied anew each time.
+    bool is_drawn_over = false;
+
+   private:
+    friend class DepthImages;
+    Texture image_;
+    LightCamera camera_;
+    AlphaRule rule_ = AlphaRule::texel;
+    Faces faces_ = Faces::lit;
+    MovingMeshes::Number drawn_, relit_;  // of what the layer shows, and of what was relit last
+    bool is_wanted_ = false, may_be_kept_ = false;
+  };
+
   /// Compiles; needs the context.
   void setup();
   /// The scene must live as long as images of it are drawn. The rule is for `use_alpha`. Casters with transmission are drawn
   /// where they are taken for opaque.
   void build(const Scene& scene, AlphaRule rule = AlphaRule::texel, GlassAs glass = GlassAs::opaque);
+  /// Brings what build found up to date with vertices that moved; the boxes of meshes hold all of the motion. Where it answers
+  /// false it did nothing, and the scene must be built.
+  [[nodiscard]] bool update(const Scene& scene, const Changes& changes);
   const MeshBoxes& boxes() const { return boxes_; }
+  const MovingMeshes& moving() const { return moving_; }
   /// Makes what a rule about holes needs, unless it is there: for stages in which the rule may change.
   void use_alpha(AlphaRule rule);
   /// By that rule; by the texel's where no mesh has a mask.
@@ -33,17 +59,33 @@ class DepthImages {
   /// camera's size: reversed depth, 0 where there is nothing. Answers how many triangles were drawn. `test` is `hole_test` or
   /// the texel's.
   std::size_t draw(const LightCamera& camera, Texture& target, Faces faces = Faces::lit, const HoleTest& test = {});
+  /// The same. Where some casters move and others do not, those that stand still are drawn into the layer, unless it may be
+  /// kept, and the others over a copy of it. The nearest surface is the same in whatever order casters are drawn.
+  std::size_t draw(const LightCamera& camera, Texture& target, StillLayer& still, Faces faces, const HoleTest& test);
   /// The first surface strictly behind that of `first`; what is as near as that is the same surface, or one glued to it.
   std::size_t draw_second(const LightCamera& camera, const Texture& first, Texture& target, const HoleTest& test = {});
 
-  std::size_t bytes() const { return boxes_.meshes.size() * sizeof(MeshBox) + bytes_of(solid_parts_) + alpha_levels_.bytes(); }
+  std::size_t bytes() const {
+    return boxes_.meshes.size() * sizeof(MeshBox) + bytes_of(solid_parts_) + moving_.bytes() + alpha_levels_.bytes();
+  }
 
  private:
-  std::size_t draw(CasterPrograms& programs, const LightCamera& camera, Texture& target, Faces faces, const HoleTest& test);
+  enum class Which { all, still, moving };
+  /// What moves is drawn over what `target` holds.
+  std::size_t draw(CasterPrograms& programs, const LightCamera& camera, Texture& target, Faces faces, const HoleTest& test,
+                   Which which);
+  bool is_drawn(Which which, std::uint32_t mesh) const {
+    return which == Which::all || (which == Which::moving) == moving_.moves(mesh);
+  }
+  /// Whether some casters move and others stand still.
+  bool has_layers() const;
+  void copy_layer(const LightCamera& camera, const Texture& layer, Texture& target, bool only_where_casters_move) const;
+
   CasterPrograms first_, second_;
   Framebuffer framebuffer_;
   const Scene* scene_ = nullptr;
   MeshBoxes boxes_;
+  MovingMeshes moving_;
   SolidParts solid_parts_;
   AlphaLevels alpha_levels_;
 };

@@ -35,6 +35,7 @@ struct CubeTurn {
   bool is_against = false;
   OppositeFaces layout = OppositeFaces::mirrored;
 
+  bool operator==(const CubeTurn&) const = default;
   int face() const { return 2 * axis + is_against; }
   glm::dvec3 operator()(const glm::dvec3& d) const {
     const glm::dvec3 p = axis == 0 ? glm::dvec3(d.y, d.z, d.x) : axis == 1 ? glm::dvec3(d.z, d.x, d.y) : d;
@@ -52,6 +53,7 @@ struct LightSpaceFace {
   bool is_along_world = false;  ///< `from_cube` says all of `light_from_world`, with less work
   CubeTurn from_cube{};         ///< from the own frame of its cube: bit for bit as `turned` has it
 
+  bool operator==(const LightSpaceFace&) const = default;
   glm::dvec3 axis(int k) const { return {light_from_world[0][k], light_from_world[1][k], light_from_world[2][k]}; }
   /// A direction, and a point, of the world in the frame of the face.
   glm::dvec3 turned(const glm::dvec3& direction) const {
@@ -85,6 +87,7 @@ class LightSpace {
     }
   }
 
+  bool operator==(const LightSpace&) const = default;
   int face_count() const { return face_count_; }
   const LightSpaceFace& operator[](int face) const { return faces_[face]; }
   /// The one face, or the one with the cube's own frame.

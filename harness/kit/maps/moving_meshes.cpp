@@ -1,0 +1,25 @@
+#include <gnomon/kit/maps/moving_meshes.h>
+
+#include <algorithm>
+
+namespace gnomon {
+
+void MovingMeshes::build(const Scene& scene) {
+  reaches_.clear();
+  const auto has_reach = [](const Mesh& mesh) { return !mesh.reach.empty(); };
+  if (std::ranges::any_of(scene.meshes, has_reach))
+    for (const Mesh& mesh : scene.meshes) reaches_.push_back(mesh.reach);
+  number_ = {number_.builds + 1, 0};
+}
+
+bool MovingMeshes::update(const Scene& scene, const Changes& changes) {
+  for (std::size_t m = 0; m < scene.meshes.size(); ++m) {
+    const Bounds now = scene.meshes[m].reach, before = reaches_.empty() ? Bounds() : reaches_[m];
+    if (now.min != before.min || now.max != before.max) return false;
+    if (changes.meshes[m].kind != MeshChange::Kind::still && !moves(m)) return false;
+  }
+  ++number_.updates;
+  return true;
+}
+
+}  // namespace gnomon

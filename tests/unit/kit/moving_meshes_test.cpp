@@ -1,0 +1,81 @@
+#include <gnomon/kit/maps/moving_meshes.h>
+#include <gtest/gtest.h>
+
+#include "walking_world.h"
+
+namespace moving_meshes_test {
+
+using namespace walking_world;
+
+Changes changes_of(const Scene& scene, std::initializer_list<std::size_t> moved) {
+  Changes changes;
+  changes.meshes.resize(scene.meshes.size());
+  for (const std::size_t m : moved) changes.meshes[m].kind = MeshChange::Kind::deformed;
+  return changes;
+}
+
+/// The second box may move, in 0 .. 1 along each axis.
+Scene with_reach() {
+  Scene scene = walking_scene();
+  scene.meshes[2].reach.add({0, 0, 0});
+  scene.meshes[2].reach.add({1, 1, 1});
+  return scene;
+}
+
+TEST(moving_meshes, those_with_a_reach_move) {
+  MovingMeshes moving;
+  moving.build(with_reach());
+  EXPECT_FALSE(moving.moves(0));
+  EXPECT_FALSE(moving.moves(1));
+  EXPECT_TRUE(moving.moves(2));
+  EXPECT_EQ(moving.bytes(), 3 * sizeof(Bounds));
+}
+
+TEST(moving_meshes, a_scene_at_rest_has_none_and_takes_no_memory) {
+  MovingMeshes moving;
+  moving.build(with_reach());
+  moving.build(walking_scene());
+  for (std::size_t m = 0; m < 3; ++m) EXPECT_FALSE(moving.moves(m));
+  EXPECT_EQ(moving.bytes(), 0u);
+}
+
+TEST(moving_meshes, an_update_holds_where_reaches_are_as_they_were_and_what_has_none_stood_still) {
+  Scene scene = with_reach();
+  MovingMeshes moving;
+  moving.build(scene);
+  EXPECT_TRUE(moving.update(scene, changes_of(scene, {})));
+  EXPECT_TRUE(moving.update(scene, changes_of(scene, {2})));
+  EXPECT_FALSE(moving.update(scene, changes_of(scene, {1, 2})));
+  scene.meshes[1].reach.add({5, 5, 5});
+  EXPECT_FALSE(moving.update(scene, changes_of(scene, {}))) << "the first box begins to move";
+  scene.meshes[1].reach = {};
+  scene.meshes[2].reach.add({2, 2, 2});
+  EXPECT_FALSE(moving.update(scene, changes_of(scene, {2}))) << "the second box goes farther";
+  scene.meshes[2].reach = {};
+  EXPECT_FALSE(moving.update(scene, changes_of(scene, {}))) << "it stands still";
+  moving.build(scene);
+  EXPECT_TRUE(moving.update(scene, changes_of(scene, {})));
+}
+
+TEST(moving_meshes, numbers_tell_updates_from_builds_and_from_nothing) {
+  const Scene scene = with_reach();
+  MovingMeshes moving;
+  EXPECT_FALSE(moving.number().is_update_of({})) << "before the first build";
+  moving.build(scene);
+  EXPECT_FALSE(moving.number().is_update_of({}));
+  const MovingMeshes::Number built = moving.number();
+  EXPECT_FALSE(moving.number().is_update_of(built));
+  for (int n = 0; n < 2; ++n) {
+    ASSERT_TRUE(moving.update(scene, changes_of(scene, {2})));
+    EXPECT_TRUE(moving.number().is_update_of(built));
+  }
+  const MovingMeshes::Number updated = moving.number();
+  EXPECT_FALSE(moving.number().is_update_of(updated));
+  EXPECT_FALSE(moving.update(scene, changes_of(scene, {1})));
+  EXPECT_FALSE(moving.number().is_update_of(updated)) << "an update that does not hold is none";
+  moving.build(scene);
+  EXPECT_FALSE(moving.number().is_update_of(built));
+  EXPECT_FALSE(moving.number().is_update_of(updated));
+}
+
+}  // namespace moving_meshes_test
