@@ -40,6 +40,7 @@ class AreaRays final : public Technique {
   }
   void setup() override {}
   void build(const Scene& scene) override { casters_->build(scene); }
+  void update(const Scene& scene, const Changes& changes) override { casters_->update(scene, changes); }
   void relight(const Light& light) override { light_ = light; }
   void resolve(const GBuffer& gbuffer, VisibilityMask& mask) override {
     gbuffer_ = &gbuffer;

@@ -23,6 +23,7 @@ class CenterRay final : public Technique {
   }
   void setup() override {}
   void build(const Scene& scene) override { casters_->build(scene); }
+  void update(const Scene& scene, const Changes& changes) override { casters_->update(scene, changes); }
   void relight(const Light& light) override {
     center_ = light;
     center_.kind = PointLight{glm::vec3(homogeneous_of_center(light))};

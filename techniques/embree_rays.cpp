@@ -36,6 +36,7 @@ class EmbreeRays final : public Technique {
   }
   void setup() override {}
   void build(const Scene& scene) override { casters_->build(scene); }
+  void update(const Scene& scene, const Changes& changes) override { casters_->update(scene, changes); }
   void relight(const Light& light) override { light_ = light; }
   void resolve(const GBuffer& gbuffer, VisibilityMask& mask) override {
     const RayScene& casters = casters_->under(gbuffer.truth);

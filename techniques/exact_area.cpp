@@ -30,6 +30,7 @@ class ExactArea final : public Technique {
   }
   void setup() override {}
   void build(const Scene& scene) override { casters_->emplace(scene); }
+  void update(const Scene&, const Changes& changes) override { casters_->value().update(changes); }
   void relight(const Light& light) override { light_ = light; }
   void resolve(const GBuffer& gbuffer, VisibilityMask& mask) override {
     constexpr std::size_t block = 32;

@@ -28,16 +28,17 @@ class ExactRays final : public Technique {
   }
   void setup() override {}
   void build(const Scene& scene) override { casters_->emplace(scene); }
+  void update(const Scene&, const Changes& changes) override { casters_->value().update(changes); }
   void relight(const Light& light) override { light_ = light; }
   void resolve(const GBuffer& gbuffer, VisibilityMask& mask) override {
     tally_ = casters_->value().decide(gbuffer, light_, mask.pixels());
   }
   Counts counts() const override {
     return {count_of("rays", tally_.rays),
-            count_of("triangle_tests", tally_.triangles),
+            count_by_tree("triangle_tests", tally_.triangles),
             count_of("degenerate_rays", tally_.degenerate),
-            count_of("signs_by_int128", tally_.signs.lattice),
-            count_of("signs_by_gmp", tally_.signs.big),
+            count_by_tree("signs_by_int128", tally_.signs.lattice),
+            count_by_tree("signs_by_gmp", tally_.signs.big),
             {"bytes", casters_.own(static_cast<double>(*casters_ ? casters_->value().bytes() : 0)), "byte"}};
   }
   std::unique_ptr<Technique> for_another_light() const override { return another(*this, &ExactRays::casters_); }

@@ -54,6 +54,10 @@ class PathRays final : public Technique {
     built_->has_more = !std::ranges::all_of(scene.meshes, &Mesh::casts);
     if (built_->has_more) built_->all.build(scene, RayScene::Which::seen);
   }
+  void update(const Scene& scene, const Changes& changes) override {
+    built_->casters.update(scene, changes);
+    if (built_->has_more) built_->all.update(scene, changes);
+  }
   void relight(const Light& light) override { light_ = light; }
   void resolve(const GBuffer& gbuffer, VisibilityMask& mask) override {
     gbuffer_ = &gbuffer;

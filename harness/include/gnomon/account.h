@@ -17,6 +17,8 @@ struct Count {
   double value = 0;
   std::string unit;
   Together together = Together::sum;  ///< a depth is the `largest`, what is counted for each of something a `mean`
+  /// It says what queries met in a tree whose shape an update may keep: then it is not what a build leads to.
+  bool is_by_tree = false;
 };
 using Counts = std::vector<Count>;
 

@@ -11,16 +11,16 @@ namespace {
 constexpr std::uint32_t leaf_size = 4;
 constexpr int bin_count = 16;
 
+/// Twice the center; in double, since the sum of two floats may overflow.
+glm::dvec3 twice_center(const Bounds& b) { return glm::dvec3(b.min) + glm::dvec3(b.max); }
+
+}  // namespace
+
 double half_area(const Bounds& b) {
   if (b.empty()) return 0;
   const glm::dvec3 size = glm::dvec3(b.max) - glm::dvec3(b.min);
   return size.x * size.y + size.y * size.z + size.z * size.x;
 }
-
-/// Twice the center; in double, since the sum of two floats may overflow.
-glm::dvec3 twice_center(const Bounds& b) { return glm::dvec3(b.min) + glm::dvec3(b.max); }
-
-}  // namespace
 
 /// Splits by the surface area heuristic (Goldsmith and Salmon 1987), evaluated between 16 bins of the centers per axis; in half
 /// by count where the centers tell nothing apart.
@@ -32,7 +32,8 @@ struct BoxTree::Builder {
     const std::size_t index = tree.nodes_.size();
     Bounds bounds;
     for (std::uint32_t i = first; i < last; ++i) bounds.add(items[tree.order_[i]]);
-    Node node{{{bounds.min.x, bounds.min.y, bounds.min.z}, {bounds.max.x, bounds.max.y, bounds.max.z}}, 0, first, 0};
+    Node node{{}, 0, first, 0};
+    node.set(bounds);
     if (last - first <= leaf_size) node.count = last - first;
     tree.nodes_.push_back(node);
     if (node.count == 0) {
@@ -100,6 +101,17 @@ BoxTree::BoxTree(std::span<const Bounds> items) : order_(items.size()) {
   std::iota(order_.begin(), order_.end(), 0u);
   nodes_.reserve(items.size());
   if (!items.empty()) Builder{items, *this}.build(0, static_cast<std::uint32_t>(items.size()));
+}
+
+double BoxTree::weighted_area() const {
+  double sum = 0;
+  for (const Node& node : nodes_) sum += half_area(node.bounds()) * (1 + node.count);
+  return sum;
+}
+
+double BoxTree::cost() const {
+  const double whole = half_area(bounds());
+  return whole > 0 ? weighted_area() / whole : 0;
 }
 
 }  // namespace gnomon

@@ -1,5 +1,6 @@
 #include <gnomon/kit/geometry/exact_scene.h>
 #include <gnomon/kit/geometry/holes.h>
+#include <gnomon/kit/geometry/refit.h>
 #include <gnomon/kit/parallel.h>
 
 #include <algorithm>
@@ -34,6 +35,8 @@ Approach approach(const glm::dvec3& a, const glm::dvec3& u, double s_end, const 
   return best;
 }
 
+bool has_area(const Triangle& triangle) { return !is_degenerate(triangle.points[0], triangle.points[1], triangle.points[2]); }
+
 }  // namespace
 
 ExactScene::ExactScene(const Scene& scene) : scene_(&scene), has_transmission_(scene.has_transmission()) {
@@ -43,14 +46,38 @@ ExactScene::ExactScene(const Scene& scene) : scene_(&scene), has_transmission_(s
     const Mesh& mesh = scene.meshes[m];
     if (!mesh.casts) continue;
     for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t)
-      if (const Triangle corners = mesh.corners(t); !is_degenerate(corners.points[0], corners.points[1], corners.points[2]))
+      if (const Triangle corners = mesh.corners(t); has_area(corners))
         casters.push_back({corners, m, t});
+      else
+        left_out_.push_back({m, t});
   }
   std::vector<Bounds> bounds(casters.size());
   for (std::size_t i = 0; i < casters.size(); ++i) bounds[i].add(casters[i].corners.points);
   tree_ = BoxTree(bounds);
   casters_.reserve(casters.size());
   for (const std::uint32_t i : tree_.order()) casters_.push_back(casters[i]);
+}
+
+void ExactScene::update(const Changes& changes) {
+  if (has_moved_caster(*scene_, changes) && !refit(changes)) *this = ExactScene(*scene_);
+}
+
+bool ExactScene::refit(const Changes& changes) {
+  for (const Named& left : left_out_)
+    if (has_moved(changes, left.mesh) && has_area(scene_->meshes[left.mesh].corners(left.triangle))) return false;
+  for (Caster& caster : casters_) {
+    if (!has_moved(changes, caster.mesh)) continue;
+    caster.corners = scene_->meshes[caster.mesh].corners(caster.triangle);
+    if (!has_area(caster.corners)) return false;
+  }
+  if (!is_refitted_) built_cost_ = tree_.cost();
+  is_refitted_ = true;
+  tree_.refit([&](std::uint32_t place) {
+    Bounds box;
+    box.add(casters_[place].corners.points);
+    return box;
+  });
+  return !is_decayed(tree_.cost(), built_cost_);
 }
 
 ExactAnswer ExactScene::occluded(const Receiver& receiver, const glm::dvec4& light, ExactTally& tally) const {

@@ -9,11 +9,21 @@ namespace gnomon {
 
 // The frame in which Embree traces a scene: that of the world, or scaled to numbers that float32 has room for.
 
+/// Largest absolute coordinate of the meshes that do not move.
+inline double extent_of_still(const Scene& scene) {
+  Bounds bounds;
+  for (const Mesh& mesh : scene.meshes)
+    if (mesh.reach.empty()) bounds.add(mesh.positions);
+  return bounds.extent();
+}
+
 /// Embree multiplies up to three lengths, and divides by components of directions that it takes for 1e-18 at least. Between 1
 /// mm and 2^30 m a scene is traced as it is; else in units of a power of two in which its largest coordinate is 1 to 2: that
-/// rounds nothing. Scale of the world to that frame.
-inline double traced_scale(const Scene& scene) {
-  const double extent = scene.bounds().extent();
+/// rounds nothing. Scale of the world to that frame; `still` is extent_of_still. What meshes reach counts, so that the frame
+/// stays the same while they move.
+inline double traced_scale(const Scene& scene, double still) {
+  double extent = still;
+  for (const Mesh& mesh : scene.meshes) extent = std::max(extent, mesh.reach.extent());
   return extent == 0 || (extent >= 0x1p-10 && extent <= 0x1p30) ? 1 : std::exp2(std::min(-std::ilogb(extent), 100));
 }
 

@@ -1,43 +1,21 @@
-#include <gnomon/error.h>
+#include <fmt/format.h>
 #include <gnomon/kit/geometry/box_tree.h>
-#include <gnomon/kit/geometry/contour.h>
-#include <gnomon/kit/geometry/edges.h>
 #include <gnomon/kit/vectorized.h>
 #include <tbb/global_control.h>
 
-#include <atomic>
-#include <mutex>
-
-#include "kit/rays/ray_filters.h"
+#include "kit/rays/ray_body.h"
 #include "kit/rays/ray_frame.h"
-#include "kit/rays/shape_rays.h"
 
 namespace gnomon {
 
 static_assert(sizeof(ShadowPacket) == sizeof(RTCRay16) && offsetof(ShadowPacket, tfar) == offsetof(RTCRay16, tfar) &&
               offsetof(ShadowPacket, id) == offsetof(RTCRay16, id));
 
-/// The geometry that Embree traces in place of a mesh with an exact curved shape.
-struct ShapeGeometry {
-  Shape shape;
-  std::uint32_t mesh;
-};
-
 namespace {
-
-bool count_memory(void* sum, ssize_t bytes, bool) {
-  *static_cast<std::atomic<std::int64_t>*>(sum) += bytes;
-  return true;
-}
 
 /// A single ray from its origin to `tfar` lengths of its direction.
 RTCRay ray_to(const glm::vec3& origin, const glm::vec3& direction, float tfar) {
   return {origin.x, origin.y, origin.z, 0, direction.x, direction.y, direction.z, 0, tfar, 0xffffffffu, 0, 0};
-}
-
-void shape_bounds(const RTCBoundsFunctionArguments* args) {
-  const Bounds box = shape_bounds(static_cast<const ShapeGeometry*>(args->geometryUserPtr)->shape);
-  *args->bounds_o = {box.min.x, box.min.y, box.min.z, 0, box.max.x, box.max.y, box.max.z, 0};
 }
 
 /// Lanes as Embree takes them: -1 is on.
@@ -59,66 +37,6 @@ GNOMON_VECTORIZED std::uint32_t blocked_bits(const float* tfar) {
   std::uint32_t blocked = 0;
   for (int lane = 0; lane < 16; ++lane) blocked |= tfar[lane] < 0 ? 1u << lane : 0;
   return blocked;
-}
-
-void intersect_shape(const RTCIntersectFunctionNArguments* args) {
-  const auto& geometry = *static_cast<const ShapeGeometry*>(args->geometryUserPtr);
-  RTCRayN* rays = RTCRayHitN_RayN(args->rayhit, args->N);
-  RTCHitN* hits = RTCRayHitN_HitN(args->rayhit, args->N);
-  for (unsigned lane = 0; lane < args->N; ++lane) {
-    if (args->valid[lane] == 0) continue;
-    const LaneRay ray = lane_ray(rays, args->N, lane);
-    const ShapeHit hit = first_hit(geometry.shape, ray.origin, ray.direction, ray.tnear, ray.tfar);
-    if (!hit.found) continue;
-    RTCRayN_tfar(rays, args->N, lane) = static_cast<float>(hit.t);
-    RTCHitN_Ng_x(hits, args->N, lane) = static_cast<float>(hit.normal.x);
-    RTCHitN_Ng_y(hits, args->N, lane) = static_cast<float>(hit.normal.y);
-    RTCHitN_Ng_z(hits, args->N, lane) = static_cast<float>(hit.normal.z);
-    RTCHitN_geomID(hits, args->N, lane) = args->geomID;
-    RTCHitN_primID(hits, args->N, lane) = 0;
-    RTCHitN_instID(hits, args->N, lane, 0) = RTC_INVALID_GEOMETRY_ID;
-  }
-}
-
-/// A point of a convex body is never in that body's own shadow when its outward normal faces the light; when the eye, hence
-/// the normal, is inside, the body blocks where the ray leaves it. The ray offset decides: it is some times what rounding the
-/// point may move it, so the origin lies inside the receiver's own body exactly when the normal points inward.
-void occlude_shape(const RTCOccludedFunctionNArguments* args) {
-  const auto& geometry = *static_cast<const ShapeGeometry*>(args->geometryUserPtr);
-  const auto& receivers = reinterpret_cast<const FilterContext*>(args->context)->receivers;
-  if (!receivers.mesh) return;
-  for (unsigned lane = 0; lane < args->N; ++lane) {
-    if (args->valid[lane] == 0) continue;
-    const LaneRay ray = lane_ray(args->ray, args->N, lane);
-    const bool is_own = receivers.mesh[RTCRayN_id(args->ray, args->N, lane)] == geometry.mesh;
-    if (is_own && !contains(geometry.shape, ray.origin)) continue;
-    if (first_hit(geometry.shape, ray.origin, ray.direction, ray.tnear, ray.tfar).found)
-      RTCRayN_tfar(args->ray, args->N, lane) = -INFINITY;
-  }
-}
-
-Shape scaled(const Shape& shape, double scale) {
-  const auto length = static_cast<float>(scale);
-  if (const auto* sphere = std::get_if<Sphere>(&shape)) return Sphere{sphere->center * length, sphere->radius * length};
-  if (const auto* disc = std::get_if<Disc>(&shape)) return Disc{disc->center * length, disc->normal, disc->radius * length};
-  const auto& cone = std::get<Cone>(shape);
-  return Cone{cone.base * length, cone.axis, cone.radius * length, cone.height * length};
-}
-
-bool has_degenerate(const Mesh& mesh) {
-  return std::ranges::any_of(mesh.triangles, [&](const glm::uvec3& t) {
-    return is_degenerate(mesh.positions[t.x], mesh.positions[t.y], mesh.positions[t.z]);
-  });
-}
-
-/// Gives a geometry the triangles of a mesh. One without area gets its first corner three times: Embree's normal of it is then
-/// exactly 0, which it takes for no hit. That of three places in a line is what float32 rounds, and may be hit.
-void set_sound_triangles(RTCGeometry geometry, const Mesh& mesh) {
-  auto* triangles = static_cast<glm::uvec3*>(
-      rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, sizeof(glm::uvec3), mesh.triangles.size()));
-  std::ranges::transform(mesh.triangles, triangles, [&](const glm::uvec3& t) {
-    return is_degenerate(mesh.positions[t.x], mesh.positions[t.y], mesh.positions[t.z]) ? glm::uvec3(t.x) : t;
-  });
 }
 
 /// Whether anything blocks the rays, hits that the filter excludes left out; bit k is ray k.
@@ -154,79 +72,6 @@ void leave_out_far(Crossings& crossings, const ShadowPacket& packet, int k, cons
 }
 
 }  // namespace
-
-struct RayScene::Body {
-  const Scene* source = nullptr;
-  Truth truth = Truth::shape;
-  Which which = Which::seen;
-  double scale = 1;                     ///< of the world to the frame that is traced
-  bool has_masks = false;               ///< of a mesh that is traced
-  bool has_transmission = false;        ///< the same
-  std::atomic<std::int64_t> bytes = 0;  ///< Embree counts them per device, so every RayScene has one of its own
-  std::optional<std::int64_t> bytes_of_one_thread;
-  RTCDevice device = nullptr;
-  RTCScene scene = nullptr;
-  std::vector<std::unique_ptr<ShapeGeometry>> shapes;
-  std::once_flag is_joined;
-  EdgeAdjacency adjacency;
-  FilterContext context(const Receivers& receivers = {}) const {
-    return {.receivers = receivers, .masked = has_masks || has_transmission ? source : nullptr, .scale = scale};
-  }
-  /// Hits that the filter excludes, if there is one, left out.
-  Hit closest(const glm::dvec3& origin, const glm::dvec3& direction, RTCFilterFunctionN filter) const;
-  ~Body() {
-    rtcReleaseScene(scene);
-    rtcReleaseDevice(device);
-  }
-};
-
-RayScene::RayScene(const Scene& scene, Truth truth, Which which) : body_(std::make_shared<Body>()) {
-  body_->source = &scene;
-  body_->truth = truth;
-  body_->which = which;
-  body_->device = rtcNewDevice("verbose=0");
-  if (!body_->device) throw Error("Embree cannot start: error {}", static_cast<int>(rtcGetDeviceError(nullptr)));
-  rtcSetDeviceMemoryMonitorFunction(body_->device, count_memory, &body_->bytes);
-  body_->scene = rtcNewScene(body_->device);
-  body_->scale = traced_scale(scene);
-  rtcSetSceneFlags(body_->scene, static_cast<RTCSceneFlags>(RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION));
-  for (std::uint32_t index = 0; index < scene.meshes.size(); ++index) {
-    const Mesh& mesh = scene.meshes[index];
-    if (!(which == Which::casters ? mesh.casts : mesh.seen)) continue;
-    RTCGeometry geometry;
-    if (truth == Truth::shape && mesh.has_curved_shape()) {
-      body_->shapes.push_back(std::make_unique<ShapeGeometry>(ShapeGeometry{scaled(*mesh.shape, body_->scale), index}));
-      geometry = rtcNewGeometry(body_->device, RTC_GEOMETRY_TYPE_USER);
-      rtcSetGeometryUserPrimitiveCount(geometry, 1);
-      rtcSetGeometryUserData(geometry, body_->shapes.back().get());
-      rtcSetGeometryBoundsFunction(geometry, shape_bounds, nullptr);
-      rtcSetGeometryIntersectFunction(geometry, intersect_shape);
-      rtcSetGeometryOccludedFunction(geometry, occlude_shape);
-    } else {
-      if (mesh.triangles.empty()) continue;
-      body_->has_masks |= mesh.alpha_mask != nullptr;
-      body_->has_transmission |= mesh.transmission != nullptr;
-      geometry = rtcNewGeometry(body_->device, RTC_GEOMETRY_TYPE_TRIANGLE);
-      // Embree reads 16 bytes per vertex, so positions are copied into a buffer that it pads.
-      auto* vertices = static_cast<glm::vec3*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
-                                                                       sizeof(glm::vec3), mesh.positions.size()));
-      std::ranges::transform(mesh.positions, vertices,
-                             [&](const glm::vec3& p) { return glm::vec3(body_->scale * glm::dvec3(p)); });
-      // Of a scene that stands still such triangles were dropped when it was loaded.
-      if ((scene.motion || scene.pose_number != 0) && has_degenerate(mesh))
-        set_sound_triangles(geometry, mesh);
-      else
-        rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, mesh.triangles.data(), 0,
-                                   sizeof(glm::uvec3), mesh.triangles.size());
-    }
-    rtcCommitGeometry(geometry);
-    rtcAttachGeometryByID(body_->scene, geometry, index);
-    rtcReleaseGeometry(geometry);
-  }
-  rtcCommitScene(body_->scene);
-  if (const RTCError code = rtcGetDeviceError(body_->device); code != RTC_ERROR_NONE)
-    throw Error("Embree cannot build the scene {}: error {}", scene.name, static_cast<int>(code));
-}
 
 RayScene::Hit RayScene::Body::closest(const glm::dvec3& origin, const glm::dvec3& direction, RTCFilterFunctionN filter) const {
   const glm::dvec3 start = scale * origin;
@@ -304,7 +149,7 @@ RayScene::Blocked RayScene::blocked(std::uint32_t valid, ShadowPacket& packet, c
 }
 
 const EdgeAdjacency& RayScene::adjacency() const {
-  std::call_once(body_->is_joined, [&] {
+  std::call_once(*body_->is_joined, [&] {
     Scene traced;
     traced.meshes = body_->source->meshes;
     for (Mesh& mesh : traced.meshes)
@@ -318,8 +163,8 @@ const EdgeAdjacency& RayScene::adjacency() const {
 std::size_t RayScene::bytes() const {
   if (!body_->bytes_of_one_thread) {
     const tbb::global_control one_thread(tbb::global_control::max_allowed_parallelism, 1);
-    const RayScene again(*body_->source, body_->truth, body_->which);
-    body_->bytes_of_one_thread = again.body_->bytes.load();
+    const RayScene again(*body_->source, body_->truth, body_->which, body_->trees);
+    body_->bytes_of_one_thread = again.body_->bytes_held();
   }
   return static_cast<std::size_t>(*body_->bytes_of_one_thread);
 }

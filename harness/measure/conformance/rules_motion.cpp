@@ -43,11 +43,11 @@ class Equality {
   const Light& light_;
 };
 
-/// Work that a stage counted, without times, which are never the same, and memory.
+/// Work that a stage counted, without times, which are never the same, memory, and what depends on the shape of a tree.
 std::string work_of(const Technique& technique) {
   std::string text;
   for (const Count& c : technique.counts())
-    if (c.unit != "ms" && c.unit != "byte") text += fmt::format("{} {}; ", c.name, c.value);
+    if (c.unit != "ms" && c.unit != "byte" && !c.is_by_tree) text += fmt::format("{} {}; ", c.name, c.value);
   return text;
 }
 

@@ -13,6 +13,11 @@ template <class Number>
 Count count_of(std::string name, Number value) {
   return {std::move(name), static_cast<double>(value), ""};
 }
+/// A count without unit of what queries met in a tree.
+template <class Number>
+Count count_by_tree(std::string name, Number value) {
+  return {std::move(name), static_cast<double>(value), "", Count::Together::sum, true};
+}
 /// A count without unit that says how far something went: of several objects the largest.
 template <class Number>
 Count most_of(std::string name, Number value) {

@@ -6,6 +6,9 @@
 
 namespace gnomon {
 
+/// Half of the area of a box's sides, square meters; 0 of an empty one.
+double half_area(const Bounds& box);
+
 /// A segment or ray made ready for box tests. The way to the light is rounded to double, the point is not.
 struct SegmentSlabs {
   glm::dvec3 origin, inverse;  ///< 1 / (light - point); infinite where that is zero
@@ -67,6 +70,18 @@ class BoxTree {
     walk([&](const Node& node) { return meets(node.side[0], node.side[1]); }, visit);
   }
 
+  /// Items have moved: bounds_at(place) is where each is now. Their places stay; boxes are exact as at build, for they have
+  /// coordinates of vertices.
+  template <class BoundsAt>
+  void refit(const BoundsAt& bounds_at);
+
+  Bounds bounds() const { return nodes_.empty() ? Bounds() : nodes_[0].bounds(); }
+  /// Sum of the half areas of the boxes, a leaf once more for each of its items. Over half the area of bounds() it is what a
+  /// ray that meets them takes on the mean, in boxes and items (Goldsmith and Salmon 1987).
+  double weighted_area() const;
+  /// That ratio; 0 where bounds() have no area.
+  double cost() const;
+
   std::size_t bytes() const { return bytes_of(nodes_, order_); }
 
  private:
@@ -74,6 +89,14 @@ class BoxTree {
     float side[2][3];            ///< lower and upper corner; exact, since they are coordinates of vertices
     std::uint32_t skip;          ///< the node after this one's last descendant
     std::uint32_t first, count;  ///< places of a leaf; count 0 otherwise
+
+    Bounds bounds() const { return {{side[0][0], side[0][1], side[0][2]}, {side[1][0], side[1][1], side[1][2]}}; }
+    void set(const Bounds& box) {
+      for (int k = 0; k < 3; ++k) {
+        side[0][k] = box.min[k];
+        side[1][k] = box.max[k];
+      }
+    }
   };
   struct Builder;
 
@@ -96,5 +119,21 @@ class BoxTree {
   std::vector<Node> nodes_;
   std::vector<std::uint32_t> order_;
 };
+
+template <class BoundsAt>
+void BoxTree::refit(const BoundsAt& bounds_at) {
+  // Children come after their parent: the one next to it, and the one that this one skips to.
+  for (std::size_t i = nodes_.size(); i-- > 0;) {
+    Node& node = nodes_[i];
+    Bounds box;
+    if (node.count > 0) {
+      for (std::uint32_t place = node.first; place < node.first + node.count; ++place) box.add(bounds_at(place));
+    } else {
+      box = nodes_[i + 1].bounds();
+      box.add(nodes_[nodes_[i + 1].skip].bounds());
+    }
+    node.set(box);
+  }
+}
 
 }  // namespace gnomon

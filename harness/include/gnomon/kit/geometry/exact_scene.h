@@ -1,4 +1,5 @@
 #pragma once
+#include <gnomon/changes.h>
 #include <gnomon/kit/geometry/box_tree.h>
 #include <gnomon/kit/geometry/crossings.h>
 #include <gnomon/kit/geometry/receiver.h>
@@ -39,6 +40,9 @@ struct EdgeMargin {
 class ExactScene {
  public:
   explicit ExactScene(const Scene& scene);
+  /// Vertices of the scene moved in place since it was built or updated last. Answers are then those of a scene that is built
+  /// there. The tree is refitted, and built anew where it has decayed or triangles lost or got their area.
+  void update(const Changes& changes);
 
   /// Whether a caster blocks the way to a homogeneous light. Triangles are closed: a way through an edge or a vertex is
   /// blocked. Those with transmission block nothing.
@@ -58,13 +62,21 @@ class ExactScene {
   /// be blocked by that neighbor. In double, so its own rounding is eight digits below that of the coordinates.
   EdgeMargin edge_margin(const Receiver& receiver, const glm::dvec4& light, double limit) const;
 
-  std::size_t bytes() const { return tree_.bytes() + bytes_of(casters_); }
+  /// Of one that is built where the scene is now: how many boxes a refitted tree has depends on where it was built.
+  std::size_t bytes() const {
+    return is_refitted_ ? ExactScene(*scene_).bytes() : tree_.bytes() + bytes_of(casters_, left_out_);
+  }
 
  private:
   struct Caster {
     Triangle corners;
     std::uint32_t mesh, triangle;
   };
+  struct Named {
+    std::uint32_t mesh, triangle;
+  };
+  /// Answers whether the tree may stay.
+  bool refit(const Changes& changes);
   bool leaves_out(const Receiver& receiver, const Caster& caster) const {
     return receiver.is_own(caster.mesh, caster.triangle) || receiver.is_coplanar(*scene_, caster.corners.points);
   }
@@ -73,6 +85,9 @@ class ExactScene {
   bool has_transmission_ = false;
   BoxTree tree_;
   std::vector<Caster> casters_;  ///< in the order of the tree
+  std::vector<Named> left_out_;  ///< those without area
+  bool is_refitted_ = false;     ///< since it was built
+  double built_cost_ = 0;        ///< of the tree, once it is refitted
 };
 
 }  // namespace gnomon

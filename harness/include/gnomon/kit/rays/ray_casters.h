@@ -1,4 +1,5 @@
 #pragma once
+#include <gnomon/kit/geometry/refit.h>
 #include <gnomon/kit/rays/rays.h>
 #include <gnomon/kit/shared.h>
 
@@ -10,9 +11,18 @@ class RayCasters {
  public:
   void build(const Scene& scene, RayScene::Which which = RayScene::Which::casters) {
     scene_ = &scene;
-    by_shape_.emplace(scene, Truth::shape, which);
+    which_ = which;
+    trees_ = follows_animation(scene) ? RayScene::Trees::moving : RayScene::Trees::fixed;
+    by_shape_.emplace(scene, Truth::shape, which, trees_);
     by_mesh_.reset();
-    if (scene.has_curved_shapes()) by_mesh_.emplace(scene, Truth::mesh, which);
+    if (scene.has_curved_shapes()) by_mesh_.emplace(scene, Truth::mesh, which, trees_);
+  }
+  /// As Technique::update: the scene that was built, after some of its vertices moved.
+  void update(const Scene& scene, const Changes& changes) {
+    const bool is_of_row = trees_ == RayScene::Trees::moving;
+    if (is_of_row != follows_animation(scene) || scene.has_curved_shapes() != by_mesh_.has_value()) return build(scene, which_);
+    by_shape_->update(changes);
+    if (by_mesh_) by_mesh_->update(changes);
   }
   const RayScene& under(Truth truth) const { return truth == Truth::mesh && by_mesh_ ? *by_mesh_ : *by_shape_; }
   const Scene& scene() const { return *scene_; }
@@ -20,6 +30,8 @@ class RayCasters {
 
  private:
   const Scene* scene_ = nullptr;
+  RayScene::Which which_ = RayScene::Which::casters;
+  RayScene::Trees trees_ = RayScene::Trees::fixed;
   std::optional<RayScene> by_shape_, by_mesh_;
 };
 

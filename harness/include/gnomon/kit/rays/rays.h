@@ -1,4 +1,5 @@
 #pragma once
+#include <gnomon/changes.h>
 #include <gnomon/gbuffer.h>
 #include <gnomon/kit/geometry/crossings.h>
 
@@ -52,7 +53,14 @@ struct Receivers {
 class RayScene {
  public:
   enum class Which { seen, casters };  ///< what the eye sees, or what casts
-  RayScene(const Scene& scene, Truth truth, Which which);
+  /// How Embree builds: one tree that is asked fastest, or a tree over those of the meshes, of which the ones with a
+  /// Mesh::reach can be refitted.
+  enum class Trees { fixed, moving };
+  RayScene(const Scene& scene, Truth truth, Which which, Trees trees = Trees::fixed);
+  /// Vertices of the scene moved in place: what `changes` names since it was built or updated last. Answers are then those of a
+  /// RayScene that is built there. Moving trees are refitted, and one that has decayed is built anew; fixed ones are built. No
+  /// copy of this object is valid afterwards, and no reference that it gave.
+  void update(const Changes& changes);
 
   struct Hit {
     std::uint32_t mesh = no_mesh, triangle = 0;
