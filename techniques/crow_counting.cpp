@@ -46,6 +46,11 @@ class CrowCounting final : public PointTechnique {
     own_->build(scene, remembered_->numbers);
     single_->build(scene, remembered_->numbers);
   }
+  void update(const Scene& scene, const Changes& changes) override {
+    volumes_.update(scene, changes);
+    own_->update(changes);
+    single_->update(scene, remembered_->numbers, changes);
+  }
   void relight(const Light& light) override {
     light_ = light;
     volumes_.relight(light);

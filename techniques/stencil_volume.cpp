@@ -1,12 +1,13 @@
 // Stencil shadow volumes: faces of the casters' shadow volumes, counted per pixel by the rasterizer.
 #include <gnomon/kit/bases/mask_setting.h>
-#include <gnomon/kit/geometry/box_tree.h>
 #include <gnomon/kit/volumes/volume_technique.h>
 #include <gnomon/registry.h>
 
 #include "stencil_volume/eye_place.h"
+#include "stencil_volume/first_caster.h"
 #include "stencil_volume/glass.h"
 #include "stencil_volume/near_cap.h"
+#include "stencil_volume/triangle_sides.h"
 
 namespace {
 using namespace gnomon;
@@ -33,15 +34,6 @@ constexpr About about{
     .floor = Floor::depth_draw,
     .rasterizes = true,
     .handles = with_gray_transmission};
-
-/// Eighteen vertices a triangle, nine where volumes are pointed.
-constexpr std::string_view triangle_sides_body = R"(
-void main() {
-  int corners = pointed ? 3 : 6, side = gl_VertexID / corners, triangle = side / 3, k = side % 3;
-  uint from = triangles[3 * triangle + k], to = triangles[3 * triangle + (k + 1) % 3];
-  gl_Position = place(quad_corner(min(from, to), max(from, to), from < to, 0, gl_VertexID % corners));
-}
-)";
 
 class StencilVolume final : public VolumeTechnique {
   Choice count = Choice(this, "count", "zfail", {"zpass", "zfail", "zpass_plus"}, Stage::relight,
@@ -85,21 +77,31 @@ class StencilVolume final : public VolumeTechnique {
     own_->cut = cut(original);
     const Scene& scene = own_->cut.scene();
     made_->scene = &scene;
-    own_->casters.reset();
-    scene_buffers(scene);
-    made_->far_planes = FarPlanes(scene);
+    own_->number += 2;
+    take_positions();
     own_->has_unseen = std::ranges::any_of(scene.meshes, [](const Mesh& mesh) { return mesh.casts && !mesh.seen; });
     own_->glass.clear();
     glass_.clear();
     for_groups(scene, [&](float transmission, const Scene& casters) {
       if (transmission == 0) {
-        made_->adjacency = EdgeAdjacency(casters);
+        made_->adjacency = EdgeAdjacency(casters, Joins::in_every_pose);
         if (finder.is("gpu")) own_->gpu_finder.build(made_->adjacency);
         return;
       }
-      own_->glass.push_back({transmission, EdgeAdjacency(casters), own_->gpu_finder.another()});
+      own_->glass.push_back({transmission, EdgeAdjacency(casters, Joins::in_every_pose), own_->gpu_finder.another()});
       if (finder.is("gpu")) own_->glass.back().gpu_finder.build(own_->glass.back().adjacency);
     });
+  }
+
+  /// Which triangles share an edge stays. Masks are cut anew.
+  void update(const Scene& scene, const Changes& changes) override {
+    const auto can_follow = [&](const EdgeAdjacency& adjacency) { return adjacency.can_follow(changes); };
+    if (own_->cut.is_cut() || !can_follow(made_->adjacency)) return build(scene);
+    if (!std::ranges::all_of(own_->glass, can_follow, &GlassGroup::adjacency)) return build(scene);
+    own_->number += 1;
+    take_positions();
+    own_->moved = made_->adjacency.move(scene, changes);
+    for (GlassGroup& group : own_->glass) group.moved = group.adjacency.move(scene, changes);
   }
 
   void relight(const Light& light) override {
@@ -113,7 +115,16 @@ class StencilVolume final : public VolumeTechnique {
                              .light_caps = behind || near_rectangle() || own_->has_unseen,
                              .dark_caps = behind && (l.w != 0 || ends_early_),
                              .ends = ends()};
-    const Found opaque = find_faces(made_->adjacency, own_->gpu_finder, wanted, silhouette_, faces_);
+    // After one update the faces of what did not move may stay, on the processor, which has the outline in memory.
+    const bool may_keep = own_->number == number_ + 1 && wanted == wanted_ && finder.is("cpu");
+    const auto find = [&](const CasterEdges& casters, const FaceCommands& before, Silhouette& silhouette, FaceBuffers& faces) {
+      if (finder.is("gpu"))
+        return find_on_device(scene_buffers(*made_->scene), casters, l, wanted, !count.is("zpass_plus"), silhouette, faces);
+      return find_faces(casters, l, wanted, may_keep ? &before : nullptr, silhouette, faces);
+    };
+    number_ = own_->number;
+    wanted_ = wanted;
+    const Found opaque = find({made_->adjacency, own_->gpu_finder, own_->moved}, commands_, silhouette_, faces_);
     commands_ = opaque.commands;
     depth_bound_ = opaque.depth_bound;
     is_on_device_only_ = opaque.is_on_device_only;
@@ -122,7 +133,7 @@ class StencilVolume final : public VolumeTechnique {
     for (std::size_t k = 0; k < glass_.size(); ++k) {
       GlassGroup& group = own_->glass[k];
       GroupFaces& glass = glass_[k];
-      glass.found = find_faces(group.adjacency, group.gpu_finder, wanted, glass.silhouette, glass.faces);
+      glass.found = find({group.adjacency, group.gpu_finder, group.moved}, glass.found.commands, glass.silhouette, glass.faces);
       glass.wide = is_wide(glass.found.depth_bound);
       const std::vector<float> powers = powers_of(group.transmission, most_surfaces(group, glass.found));
       glass.powers = Buffer(powers.data(), powers.size() * sizeof(float));
@@ -185,20 +196,10 @@ class StencilVolume final : public VolumeTechnique {
   std::optional<Explanation> explain(std::size_t index) const override {
     Explanation why;
     if (!faces_light(*made_->scene, *gbuffer_, light_, index)) return why;
-    if (!own_->casters) {
-      std::vector<Bounds> bounds(made_->adjacency.triangles().size());
-      for (std::size_t t = 0; t < bounds.size(); ++t) bounds[t].add(made_->adjacency.corners(t).points);
-      own_->casters = std::make_unique<BoxTree>(bounds);
-    }
+    if (!own_->casters) own_->casters = std::make_unique<CasterTree>(made_->adjacency);
     const Segment way{gbuffer_->position(index), homogeneous(light_)};
-    std::uint64_t first = made_->adjacency.triangles().size();
-    own_->casters->any(SegmentSlabs(way), 0, [&](std::uint32_t place) {
-      const std::uint32_t t = own_->casters->order()[place];
-      if (takes_part(t) && crosses(way, made_->adjacency.corners(t)) != Crossing::none)
-        first = std::min<std::uint64_t>(first, own_->cut.source(t));
-      return false;
-    });
-    if (first < made_->adjacency.triangles().size()) why.element = first;
+    const auto is_part = [&](std::uint32_t t) { return takes_part(t); };
+    why.element = first_caster(*own_->casters, made_->adjacency, own_->cut, way, is_part);
     return why;
   }
 
@@ -239,22 +240,11 @@ class StencilVolume final : public VolumeTechnique {
   bool is_wide(std::int64_t bound) const { return counts_wide_ || counter.is("wide") || bound > VolumeCounter::stencil_limit; }
   bool keeps_wide() const override { return wide_ || std::ranges::any_of(glass_, &GroupFaces::wide); }
 
-  /// Fills the buffers of faces of some casters. The silhouette is filled, too, where it does not stay on the device.
-  Found find_faces(const EdgeAdjacency& adjacency, GpuFinder& gpu_finder, const WantedFaces& wanted, Silhouette& silhouette,
-                   FaceBuffers& faces) const {
-    const glm::dvec4 l = homogeneous(light_);
-    Found found;
-    if (finder.is("gpu")) {
-      found.commands = gpu_finder.find(scene_buffers(*made_->scene), adjacency, l, wanted, faces);
-      found.depth_bound = gpu_finder.depth_bound(adjacency, l).value_or(INT64_MAX);
-      // Too many sides for the short proof, or every resolve requires the silhouette: the processor computes it, too.
-      found.is_on_device_only = found.depth_bound <= VolumeCounter::stencil_limit && !count.is("zpass_plus");
-      if (found.is_on_device_only) return found;
-    }
-    adjacency.find_silhouette(l, silhouette);
-    if (!finder.is("gpu")) found.commands = write_faces(adjacency, silhouette, wanted, faces);
-    found.depth_bound = bound_depth(adjacency, silhouette, VolumeCounter::stencil_limit);
-    return found;
+  /// What of the scene is taken anew in every pose, beside adjacency.
+  void take_positions() {
+    own_->casters.reset();
+    scene_buffers(*made_->scene);
+    made_->far_planes = FarPlanes(*made_->scene);
   }
 
   void begin(Pass pass, std::int64_t volumes_at_eye) const {
@@ -334,11 +324,15 @@ class StencilVolume final : public VolumeTechnique {
     VolumeProgram triangle_sides, near_cap_program;
     GpuFinder gpu_finder;
     std::vector<GlassGroup> glass;
-    bool has_unseen = false;           // casters
-    std::unique_ptr<BoxTree> casters;  // made by the first `explain`
+    bool has_unseen = false;              // casters
+    std::unique_ptr<CasterTree> casters;  // made by the first `explain`
+    EdgeAdjacency::Moved moved;           // by the last update
+    std::uint64_t number = 0;             // of the geometry: 1 more with each update, 2 more with each build
   };
   Shared<Own> own_;
   mutable std::vector<GroupFaces> glass_;  // as own_->glass; ask `glass_silhouette`
+  std::uint64_t number_ = 0;               // of the geometry of the last relight
+  WantedFaces wanted_;                     // of the last relight
   std::int64_t depth_bound_ = 0;
   mutable bool is_on_device_only_ = false;  // the silhouette
   bool counts_wide_ = false;                // while setup warms the wide pass

@@ -1,4 +1,5 @@
 #pragma once
+#include <gnomon/changes.h>
 #include <gnomon/kit/add_up.h>
 #include <gnomon/kit/geometry/box_tree.h>
 #include <gnomon/kit/geometry/crossings.h>
@@ -43,6 +44,13 @@ class SingleCasters {
     tree_ = BoxTree(bounds);
     casters_.reserve(found.size());
     for (const std::uint32_t i : tree_.order()) casters_.push_back(found[i]);
+  }
+  /// Builds where one of them moved.
+  void update(const Scene& scene, const TriangleNumbers& numbers, const Changes& changes) {
+    for (std::size_t m = 0; m < scene.meshes.size(); ++m) {
+      const Mesh& mesh = scene.meshes[m];
+      if (changes.meshes[m].kind != MeshChange::Kind::still && mesh.casts && is_single(mesh)) return build(scene, numbers);
+    }
   }
   bool empty() const { return casters_.empty(); }
   bool has_transmission() const { return has_transmission_; }

@@ -16,27 +16,44 @@ namespace gnomon::crow_counting {
 class Volumes {
  public:
   void build(const Scene& scene) {
+    built_->number += 2;
     if (!scene.has_alpha_masks() && !scene.has_transmission()) {
-      *adjacency_ = EdgeAdjacency(scene);
+      built_->adjacency = EdgeAdjacency(scene, Joins::in_every_pose);
       return;
     }
     Scene opaque;
     opaque.meshes = scene.meshes;
+    opaque.motion = scene.motion;
     for (Mesh& mesh : opaque.meshes) mesh.casts &= !SingleCasters::is_single(mesh);
-    *adjacency_ = EdgeAdjacency(opaque);
+    built_->adjacency = EdgeAdjacency(opaque, Joins::in_every_pose);
+  }
+  /// Follows a scene that moved. Which triangles share an edge stays.
+  void update(const Scene& scene, const Changes& changes) {
+    if (!built_->adjacency.can_follow(changes)) return build(scene);
+    built_->number += 1;
+    built_->moved = built_->adjacency.move(scene, changes);
   }
   /// Those of another light, over the same edges.
   Volumes for_guest() const {
     Volumes guest;
-    guest.adjacency_ = adjacency_.for_guest();
+    guest.built_ = built_.for_guest();
     return guest;
   }
 
+  /// After one update the outline and the caps of what did not move may stay.
   void relight(const Light& light) {
-    adjacency_->find_silhouette(homogeneous(light), silhouette_);
-    caps_.clear();
-    for (std::uint32_t t = 0; t < silhouette_.facing.size(); ++t)
-      if (silhouette_.facing[t] != 0) caps_.push_back(t);
+    const auto triangle_count = static_cast<std::uint32_t>(adjacency().triangles().size());
+    Refaced refaced{0, triangle_count};
+    if (built_->number == number_ + 1)
+      refaced = adjacency().find_silhouette(homogeneous(light), built_->moved, silhouette_);
+    else
+      adjacency().find_silhouette(homogeneous(light), silhouette_);
+    number_ = built_->number;
+    if (!refaced.empty()) {
+      caps_.erase(std::ranges::lower_bound(caps_, refaced.first), caps_.end());
+      for (std::uint32_t t = refaced.first; t < triangle_count; ++t)
+        if (silhouette_.facing[t] != 0) caps_.push_back(t);
+    }
     // Sized to measure: growing by doubling would hold twice of what is most of the memory.
     const std::size_t count = silhouette_.edges.size() + caps_.size();
     if (polygons_.capacity() < count) {
@@ -63,29 +80,29 @@ class Volumes {
   std::span<const std::uint32_t> caps() const { return caps_; }
   const Polygon& polygon(std::size_t k) const { return polygons_[k]; }
   const Outline& outline(std::size_t k) const { return outlines_[k]; }
-  const EdgeAdjacency& adjacency() const { return *adjacency_; }
+  const EdgeAdjacency& adjacency() const { return built_->adjacency; }
   const Silhouette& silhouette() const { return silhouette_; }
 
   /// Of the edge of a side quad: low, high.
   std::pair<const glm::vec3&, const glm::vec3&> ends(std::size_t k) const {
     const SilhouetteEdge& edge = silhouette_.edges[k];
-    return {adjacency_->positions()[edge.low], adjacency_->positions()[edge.high]};
+    return {adjacency().positions()[edge.low], adjacency().positions()[edge.high]};
   }
 
   /// By exact signs.
   Meeting meet(std::size_t k, const glm::vec3& from, const glm::vec3& to) const {
     if (is_side(k)) return meet_side(from, to, ends(k).first, ends(k).second, silhouette_.light);
-    return meet_cap(from, to, adjacency_->corners(cap(k)), silhouette_.light, silhouette_.facing[cap(k)]);
+    return meet_cap(from, to, adjacency().corners(cap(k)), silhouette_.light, silhouette_.facing[cap(k)]);
   }
 
   /// Whether of the closed body of a triangle only the half that faces the light counts.
   bool is_half(std::uint32_t triangle) const {
-    const EdgeAdjacency::Part& part = adjacency_->parts()[adjacency_->part_of()[triangle]];
-    return adjacency_->half(part, silhouette_.light) != EdgeAdjacency::Half::both;
+    const EdgeAdjacency::Part& part = adjacency().parts()[adjacency().part_of()[triangle]];
+    return adjacency().half(part, silhouette_.light) != EdgeAdjacency::Half::both;
   }
 
   std::size_t bytes() const {
-    return static_cast<std::size_t>(adjacency_.own(static_cast<double>(adjacency_->bytes()))) + silhouette_.bytes() +
+    return static_cast<std::size_t>(built_.own(static_cast<double>(adjacency().bytes()))) + silhouette_.bytes() +
            bytes_of(caps_, polygons_, outlines_);
   }
 
@@ -100,14 +117,20 @@ class Volumes {
     outlines_[k] = outline_of(corners);
   }
   void make_cap(const Frame& frame, std::size_t k) {
-    const Triangle triangle = adjacency_->corners(cap(k));
+    const Triangle triangle = adjacency().corners(cap(k));
     const glm::vec3* p = triangle.points;
     polygons_[k] = cap_polygon(frame, triangle, silhouette_.facing[cap(k)]);
     const glm::dvec4 corners[] = {{frame.seen(p[0]), 1}, {frame.seen(p[1]), 1}, {frame.seen(p[2]), 1}};
     outlines_[k] = polygons_[k].step == 0 ? Outline::nowhere() : outline_of(corners);
   }
 
-  Shared<EdgeAdjacency> adjacency_;
+  struct Built {
+    EdgeAdjacency adjacency;
+    EdgeAdjacency::Moved moved;  // by the last update
+    std::uint64_t number = 0;    // of the geometry: 1 more with each update, 2 more with each build
+  };
+  Shared<Built> built_;
+  std::uint64_t number_ = 0;  // of the geometry of the last relight
   Silhouette silhouette_;
   std::vector<std::uint32_t> caps_;
   std::vector<Polygon> polygons_;
@@ -123,13 +146,11 @@ class OwnVolumes {
     scene_ = &scene;
     numbers_ = &numbers;
     curved_.clear();
-    for (const Mesh& mesh : scene.meshes) {
-      curved_.emplace_back();
-      if (!mesh.has_curved_shape() || !mesh.casts) continue;
-      std::vector<Bounds> bounds(mesh.triangles.size());
-      for (std::size_t t = 0; t < bounds.size(); ++t) bounds[t].add(mesh.corners(t).points);
-      curved_.back() = BoxTree(bounds);
-    }
+    for (const Mesh& mesh : scene.meshes) curved_.push_back(curved(mesh));
+  }
+  void update(const Changes& changes) {
+    for (std::size_t m = 0; m < curved_.size(); ++m)
+      if (changes.meshes[m].kind != MeshChange::Kind::still) curved_[m] = curved(scene_->meshes[m]);
   }
 
   NumberedReceiver surface(const GBuffer& gbuffer, std::size_t i) const {
@@ -200,6 +221,14 @@ class OwnVolumes {
   }
 
  private:
+  /// Empty where a mesh has no exact curved shape, or casts not.
+  static BoxTree curved(const Mesh& mesh) {
+    if (!mesh.has_curved_shape() || !mesh.casts) return {};
+    std::vector<Bounds> bounds(mesh.triangles.size());
+    for (std::size_t t = 0; t < bounds.size(); ++t) bounds[t].add(mesh.corners(t).points);
+    return BoxTree(bounds);
+  }
+
   const Scene* scene_ = nullptr;
   const TriangleNumbers* numbers_ = nullptr;
   std::vector<BoxTree> curved_;  // of each mesh with an exact curved shape

@@ -54,7 +54,7 @@ inline EyePlace both(const EyePlace& a, const EyePlace& b) {
 class EyePlaceFinder {
  public:
   EyePlaceFinder(const Scene& scene, const Light& light, const View& view)
-      : adjacency_(scene),
+      : adjacency_(scene, Joins::in_every_pose),
         light_(homogeneous(light)),
         eye_(view.eye),
         tan_y_(std::tan(glm::radians(double(view.fov_y_degrees)) / 2)),

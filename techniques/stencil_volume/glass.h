@@ -5,7 +5,7 @@
 #include <memory>
 #include <vector>
 
-#include "gpu_finder.h"
+#include "found_faces.h"
 
 namespace stencil_volume {
 
@@ -62,14 +62,8 @@ struct GlassGroup {
   float transmission;
   EdgeAdjacency adjacency;
   GpuFinder gpu_finder;
+  EdgeAdjacency::Moved moved = {};  ///< by the last update
   std::size_t bytes() const { return adjacency.bytes() + gpu_finder.bytes(); }
-};
-
-/// What was found of the faces of a group.
-struct Found {
-  FaceCommands commands;
-  std::int64_t depth_bound = 0;    ///< at least as many volumes as overlap anywhere
-  bool is_on_device_only = false;  ///< the silhouette
 };
 
 /// How many surfaces of a group lie on any way to the light, at most.

@@ -65,11 +65,22 @@ void main() {
 }
 )";
 
+/// Where several vertices may be at one position, a side begins as write_faces has it, and an edge without length has none.
 inline const std::string add_side = R"(
+layout(std430, binding = 3) readonly buffer Positions { float positions[]; };
 layout(std430, binding = 6) writeonly buffer Sides { uvec4 sides[]; };
-uniform bool dark_caps;
+uniform bool dark_caps, by_position;
 uniform int side_capacity;
+vec3 fetch(uint v) { return vec3(positions[3 * v], positions[3 * v + 1], positions[3 * v + 2]); }
 void add(uint low, uint high, uint part, int times) {
+  if (by_position) {
+    vec3 a = fetch(low), b = fetch(high);
+    if (a == b) return;
+    if (b.x != a.x ? b.x < a.x : b.y != a.y ? b.y < a.y : b.z < a.z) {
+      uint other = low;
+      low = high, high = other, times = -times;
+    }
+  }
   uint copies = uint(abs(times)), place = atomicAdd(commands[sides_count], corners() * copies) / corners();
   if (dark_caps) atomicAdd(commands[fan_count], 3u * copies);
   for (uint i = 0; i < copies; ++i)
@@ -208,6 +219,7 @@ class GpuFinder {
       set("pointed", wanted.are_pointed(light) ? 1 : 0);
       set("light_caps", wanted.light_caps ? 1 : 0);
       set("dark_caps", wanted.dark_caps ? 1 : 0);
+      set("by_position", adjacency.has_meeting_vertices() ? 1 : 0);
       set("side_capacity", static_cast<int>(faces.sides.room() / sizeof(glm::uvec4)));
       glUseProgram(program.name());
       // Rows of groups: one row holds no more than every device allows.
@@ -219,9 +231,10 @@ class GpuFinder {
              {buffers.positions.name(), triangles_.name(), first_.name(), faces.hubs.name(), halves_.name(), work_.name(),
               faces.caps.name(), faces.triangles.name()});
     dispatch(programs_->edges, adjacency.edges().size(),
-             {edges_.name(), triangles_.name(), 0, 0, 0, work_.name(), faces.sides.name()});
+             {edges_.name(), triangles_.name(), 0, buffers.positions.name(), 0, work_.name(), faces.sides.name()});
     dispatch(programs_->irregular, adjacency.irregular_edges().size(),
-             {irregular_.name(), triangles_.name(), at_irregular_.name(), 0, 0, work_.name(), faces.sides.name()});
+             {irregular_.name(), triangles_.name(), at_irregular_.name(), buffers.positions.name(), 0, work_.name(),
+              faces.sides.name()});
     glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT | GL_ELEMENT_ARRAY_BARRIER_BIT | GL_COMMAND_BARRIER_BIT);
     glGetNamedBufferSubData(work_.name(), 0, sizeof(commands), &commands);
     return commands;

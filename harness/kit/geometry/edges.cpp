@@ -1,5 +1,6 @@
 #include <gnomon/kit/bytes.h>
 #include <gnomon/kit/geometry/edges.h>
+#include <gnomon/kit/geometry/joined_vertices.h>
 #include <gnomon/kit/parallel.h>
 
 #include <algorithm>
@@ -9,25 +10,33 @@ namespace gnomon {
 
 constexpr std::size_t edge_block = std::size_t{1} << 15;
 
-EdgeAdjacency::EdgeAdjacency(const Scene& scene) {
+EdgeAdjacency::EdgeAdjacency(const Scene& scene, Joins joins)
+    : joins_by_rigs_(joins == Joins::in_every_pose && scene.motion != nullptr) {
   std::vector<std::uint8_t> casts;  // of each vertex
   for (const Mesh& mesh : scene.meshes) {
     const auto base = static_cast<std::uint32_t>(positions_.size());
-    meshes_.push_back({static_cast<std::uint32_t>(triangles_.size()),
-                       static_cast<std::uint32_t>(mesh.triangles.size()),
-                       mesh.casts,
-                       mesh.alpha_mask || mesh.transmission,
-                       {}});
+    meshes_.push_back({.first = static_cast<std::uint32_t>(triangles_.size()),
+                       .count = static_cast<std::uint32_t>(mesh.triangles.size()),
+                       .casts = mesh.casts,
+                       .has_holes = mesh.alpha_mask || mesh.transmission,
+                       .first_vertex = base,
+                       .vertex_count = static_cast<std::uint32_t>(mesh.positions.size())});
     positions_.insert(positions_.end(), mesh.positions.begin(), mesh.positions.end());
     casts.resize(positions_.size(), mesh.casts);
     for (const glm::uvec3& t : mesh.triangles) triangles_.push_back(t + base);
     meshes_.back().bounds.add(mesh.positions);
     extent_ = std::max(extent_, meshes_.back().bounds.extent());
   }
-  first_at_position_ = weld(positions_, casts);
+  first_at_position_ = joins_by_rigs_ ? join_vertices(scene, positions_, casts) : weld(positions_, casts);
+  if (joins_by_rigs_) {
+    for (const Rig& rig : scene.motion->rigs) meshes_[rig.mesh].has_rig = true;
+    find_groups();
+  }
   join_edges();
   find_parts();
-  find_planes();
+  for (std::vector<float>* const values : {&planes_.x, &planes_.y, &planes_.z, &planes_.offset})
+    values->resize(triangles_.size());
+  find_planes(0, triangles_.size());
 }
 
 bool EdgeAdjacency::is_collapsed(std::uint32_t triangle) const {
@@ -144,18 +153,28 @@ void EdgeAdjacency::find_parts() {
         parts_.emplace_back();
       }
       Part& part = parts_[part_of_[t] = part_of_[first]];
-      part.bounds.add(corners(t).points);
       part.closed &= !mesh.has_holes;
     }
   }
-  for (std::uint32_t t = 0; t < triangles_.size(); ++t) {
+  for (const MeshTriangles& mesh : meshes_) add_bounds(mesh);
+  for (const MeshTriangles& mesh : meshes_) add_volumes(mesh);
+  for (const IrregularEdge& edge : irregular_) parts_[part_at(edge)].closed = false;
+}
+
+void EdgeAdjacency::add_bounds(const MeshTriangles& mesh) {
+  for (std::uint32_t t = mesh.first; t < mesh.first + mesh.count; ++t)
+    if (part_of_[t] != no_part) parts_[part_of_[t]].bounds.add(corners(t).points);
+}
+
+/// From the bounds of the parts.
+void EdgeAdjacency::add_volumes(const MeshTriangles& mesh) {
+  for (std::uint32_t t = mesh.first; t < mesh.first + mesh.count; ++t) {
     if (part_of_[t] == no_part) continue;
     Part& part = parts_[part_of_[t]];
     const glm::dvec3 origin = part.bounds.min;
     const auto corner = [&](int k) { return glm::dvec3(positions_[triangles_[t][k]]) - origin; };
     part.volume += glm::dot(corner(0), glm::cross(corner(1), corner(2))) / 6;
   }
-  for (const IrregularEdge& edge : irregular_) parts_[part_of_[sides_[edge.first_side] / 2]].closed = false;
 }
 
 std::size_t EdgeAdjacency::bytes() const {

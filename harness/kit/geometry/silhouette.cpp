@@ -49,11 +49,10 @@ float largest(const glm::dvec4& point, double extent) {
 /// float32. The double normal errs by at most 2^-51 of its permanent m (the sum of its products without signs). Where the
 /// normal is so short beside m that this is not small beside 2^-24 of it, the plane is left out, and where the numbers leave
 /// the range.
-void EdgeAdjacency::find_planes() {
-  for (std::vector<float>* const values : {&planes_.x, &planes_.y, &planes_.z, &planes_.offset})
-    values->resize(triangles_.size());
-  for_blocks(triangles_.size(), silhouette_block, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t t = begin; t < end; ++t) {
+void EdgeAdjacency::find_planes(std::size_t first, std::size_t count) {
+  for_blocks(count, silhouette_block, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t t = first + begin; t < first + end; ++t) {
+      planes_.x[t] = planes_.y[t] = planes_.z[t] = planes_.offset[t] = 0;
       const glm::dvec3 a = positions_[triangles_[t].x], u = glm::dvec3(positions_[triangles_[t].y]) - a,
                        v = glm::dvec3(positions_[triangles_[t].z]) - a;
       const glm::dvec3 normal = glm::cross(u, v), au = glm::abs(u), av = glm::abs(v), an = glm::abs(normal);
@@ -83,7 +82,7 @@ int EdgeAdjacency::side(std::uint32_t t, const glm::dvec4& point) const {
 }
 
 std::size_t Silhouette::bytes() const {
-  std::size_t bytes = bytes_of(facing, edges);
+  std::size_t bytes = bytes_of(facing, edges, halves);
   for (const std::vector<SilhouetteEdge>& block : blocks) bytes += bytes_of(block);
   return bytes;
 }
@@ -94,44 +93,117 @@ EdgeAdjacency::Half EdgeAdjacency::half(const Part& part, const glm::dvec4& ligh
   return part.volume < 0 ? Half::clockwise : Half::counter_clockwise;
 }
 
-void EdgeAdjacency::find_silhouette(const glm::dvec4& light, Silhouette& out) const {
-  out.light = light;
+std::vector<std::int8_t> EdgeAdjacency::halves_under(const glm::dvec4& light) const {
   std::vector<std::int8_t> halves;
+  halves.reserve(parts_.size());
   for (const Part& part : parts_) halves.push_back(static_cast<std::int8_t>(half(part, light)));
+  return halves;
+}
 
-  out.facing.resize(triangles_.size());
+void EdgeAdjacency::find_facing(std::size_t first, std::size_t count, const glm::dvec4& light,
+                                const std::vector<std::int8_t>& halves, std::vector<std::int8_t>& facing) const {
   const glm::vec4 point(light);
   const FloatPlanes planes{planes_.x.data(), planes_.y.data(), planes_.z.data(), planes_.offset.data()};
-  for_blocks(triangles_.size(), silhouette_block, [&](std::size_t begin, std::size_t end) {
-    std::int8_t* const facing = out.facing.data();
-    quick_sides(begin, end, planes, &point.x, largest(light, extent_), facing);
-    for (std::size_t t = begin; t < end; ++t) {
+  for_blocks(count, silhouette_block, [&](std::size_t begin, std::size_t end) {
+    std::int8_t* const sides = facing.data();
+    quick_sides(first + begin, first + end, planes, &point.x, largest(light, extent_), sides);
+    for (std::size_t t = first + begin; t < first + end; ++t) {
       const std::uint32_t part = part_of_[t];
       const std::int8_t wanted = part == no_part ? std::int8_t{0} : halves[part];
-      if (facing[t] == unsure) facing[t] = static_cast<std::int8_t>(side(static_cast<std::uint32_t>(t), light));
-      if (part == no_part || (wanted != 0 && facing[t] != wanted)) facing[t] = 0;
+      if (sides[t] == unsure) sides[t] = static_cast<std::int8_t>(side(static_cast<std::uint32_t>(t), light));
+      if (part == no_part || (wanted != 0 && sides[t] != wanted)) sides[t] = 0;
     }
   });
+}
+
+int EdgeAdjacency::count_at(const IrregularEdge& edge, std::span<const std::int8_t> facing) const {
+  int count = 0;
+  for (const Side side : std::span(sides_).subspan(edge.first_side, edge.side_count))
+    count += side & 1 ? facing[side / 2] : -facing[side / 2];
+  return count;
+}
+
+template <class AnyEdge>
+void EdgeAdjacency::add_outline(std::span<const AnyEdge> some, std::span<const std::int8_t> facing,
+                                std::vector<SilhouetteEdge>& outline) const {
+  for (const AnyEdge& edge : some) {
+    const int count = count_at(edge, facing);
+    if (count == 0 || (joins_by_rigs_ && positions_[edge.low] == positions_[edge.high])) continue;
+    outline.push_back({edge.low, edge.high, count, part_at(edge)});
+  }
+}
+
+void EdgeAdjacency::find_silhouette(const glm::dvec4& light, Silhouette& out) const {
+  out.light = light;
+  std::vector<std::int8_t> halves = halves_under(light);
+  out.facing.resize(triangles_.size());
+  find_facing(0, triangles_.size(), light, halves, out.facing);
+  if (!joins_by_rigs_) halves.clear();
+  out.halves = std::move(halves);
 
   out.blocks.resize((edges_.size() + silhouette_block - 1) / silhouette_block);
   for_blocks(edges_.size(), silhouette_block, [&](std::size_t begin, std::size_t end) {
-    const std::int8_t* const facing = out.facing.data();
     std::vector<SilhouetteEdge>& block = out.blocks[begin / silhouette_block];
     block.clear();
-    for (std::size_t i = begin; i < end; ++i) {
-      const Edge& edge = edges_[i];
-      const int count = facing[edge.first] - facing[edge.second];
-      if (count != 0) block.push_back({edge.low, edge.high, count, part_of_[edge.first]});
-    }
+    add_outline(edges().subspan(begin, end - begin), out.facing, block);
   });
   out.edges.clear();
   for (const std::vector<SilhouetteEdge>& block : out.blocks) out.edges.insert(out.edges.end(), block.begin(), block.end());
-  for (const IrregularEdge& edge : irregular_) {
-    int count = 0;
-    for (const Side side : std::span(sides_).subspan(edge.first_side, edge.side_count))
-      count += side & 1 ? out.facing[side / 2] : -out.facing[side / 2];
-    if (count != 0) out.edges.push_back({edge.low, edge.high, count, part_of_[sides_[edge.first_side] / 2]});
+  out.regular_count = out.edges.size();
+  add_outline(irregular_edges(), out.facing, out.edges);
+}
+
+// Edges of all kinds rise by their lower end, and those of an outline do, too. An edge at a vertex of a mesh that moved is of
+// triangles that moved with it.
+template <class AnyEdge>
+void EdgeAdjacency::add_moved(std::span<const AnyEdge> all, std::span<const SilhouetteEdge> before, const Moved& moved,
+                              std::span<const std::int8_t> facing, std::vector<SilhouetteEdge>& outline) const {
+  const auto from = [](const auto& some, std::uint32_t vertex) {
+    const auto is_below = [vertex](const auto& edge) { return edge.low < vertex; };
+    return static_cast<std::size_t>(std::partition_point(some.begin(), some.end(), is_below) - some.begin());
+  };
+  std::size_t kept = 0;
+  for (const std::uint32_t m : moved) {
+    const std::uint32_t first = meshes_[m].first_vertex, end = first + meshes_[m].vertex_count;
+    const std::span<const SilhouetteEdge> still = before.subspan(kept, from(before, first) - kept);
+    outline.insert(outline.end(), still.begin(), still.end());
+    kept = from(before, end);
+    const std::size_t at = from(all, first);
+    add_outline(all.subspan(at, from(all, end) - at), facing, outline);
   }
+  outline.insert(outline.end(), before.begin() + static_cast<std::ptrdiff_t>(kept), before.end());
+}
+
+Refaced EdgeAdjacency::find_silhouette(const glm::dvec4& light, const Moved& moved, Silhouette& out) const {
+  const auto triangle_count = static_cast<std::uint32_t>(triangles_.size());
+  const std::vector<std::int8_t> halves = halves_under(light);
+  if (!joins_by_rigs_ || out.light != light || out.facing.size() != triangle_count || out.halves != halves) {
+    find_silhouette(light, out);
+    return {0, triangle_count};
+  }
+  Refaced refaced{triangle_count, 0};
+  std::vector<std::int8_t> before;
+  for (const std::uint32_t m : moved) {
+    const MeshTriangles& mesh = meshes_[m];
+    const auto first = out.facing.begin() + mesh.first;
+    before.assign(first, first + mesh.count);
+    find_facing(mesh.first, mesh.count, light, halves, out.facing);
+    for (std::uint32_t k = 0; k < mesh.count; ++k) {
+      if (before[k] == out.facing[mesh.first + k]) continue;
+      refaced.first = std::min(refaced.first, mesh.first + k);
+      refaced.end = mesh.first + k + 1;
+    }
+  }
+  std::vector<SilhouetteEdge> outline;
+  outline.reserve(out.edges.size());
+  const std::span<const SilhouetteEdge> known(out.edges);
+  add_moved(edges(), known.first(out.regular_count), moved, out.facing, outline);
+  const std::size_t regular_count = outline.size();
+  add_moved(irregular_edges(), known.subspan(out.regular_count), moved, out.facing, outline);
+  out.edges = std::move(outline);
+  out.regular_count = regular_count;
+  for (std::vector<SilhouetteEdge>& block : out.blocks) block.clear();
+  return refaced;
 }
 
 // The way from P to the light crosses triangle ABC iff P and L are on different sides of its plane and the three edges turn

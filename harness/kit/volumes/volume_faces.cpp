@@ -1,92 +1,8 @@
-#include <gnomon/kit/parallel.h>
 #include <gnomon/kit/volumes/volume_faces.h>
 
 namespace gnomon {
 
 namespace {
-
-constexpr std::size_t face_block = std::size_t{1} << 15;
-
-/// How many triangles have key 1, and how many have key 2.
-struct KeyCounts {
-  std::size_t ones = 0, twos = 0;
-};
-
-/// Writes corners(t) of triangles 0 .. count - 1 to a buffer, in order and on all threads: first those with key(t) = 1, behind
-/// them those with key(t) = 2; those with key(t) = 0 are left out.
-template <class Key, class Corners>
-KeyCounts write_in_order(RewrittenBuffer& buffer, std::size_t count, const Key& key, const Corners& corners) {
-  std::vector<KeyCounts> before((count + face_block - 1) / face_block + 1);  // each block
-  for_blocks(count, face_block, [&](std::size_t begin, std::size_t end) {
-    KeyCounts found;
-    for (std::size_t t = begin; t < end; ++t) {
-      found.ones += key(t) == 1;
-      found.twos += key(t) == 2;
-    }
-    before[begin / face_block + 1] = found;
-  });
-  for (std::size_t i = 1; i < before.size(); ++i) {
-    before[i].ones += before[i - 1].ones;
-    before[i].twos += before[i - 1].twos;
-  }
-  const KeyCounts all = before.back();
-  buffer.rewrite<glm::uvec3>(all.ones + all.twos, [&](std::span<glm::uvec3> out) {
-    for_blocks(count, face_block, [&](std::size_t begin, std::size_t end) {
-      auto [one, two] = before[begin / face_block];
-      two += all.ones;
-      for (std::size_t t = begin; t < end; ++t)
-        if (const int k = key(t)) out[k == 1 ? one++ : two++] = corners(t);
-    });
-  });
-  return all;
-}
-
-/// A side for every volume that starts at an edge.
-void write_sides(const Silhouette& silhouette, const WantedFaces& wanted, FaceBuffers& faces, FaceCommands& commands) {
-  std::size_t copies = 0;
-  for (const SilhouetteEdge& edge : silhouette.edges) copies += std::abs(edge.count);
-  faces.sides.rewrite<glm::uvec4>(copies, [&](std::span<glm::uvec4> sides) {
-    std::size_t place = 0;
-    for (const SilhouetteEdge& edge : silhouette.edges)
-      for (int i = 0; i < std::abs(edge.count); ++i) sides[place++] = {edge.low, edge.high, edge.part, edge.count > 0};
-  });
-  commands.sides.count = static_cast<std::uint32_t>(copies * (wanted.are_pointed(silhouette.light) ? 3 : 6));
-  if (wanted.dark_caps) commands.fan.count = static_cast<std::uint32_t>(copies * 3);
-}
-
-/// Triangles turned to the light: every one that takes part, or with an outline those of parts without a fan.
-void write_turned_triangles(const EdgeAdjacency& adjacency, const Silhouette& silhouette, const WantedFaces& wanted,
-                            FaceBuffers& faces, FaceCommands& commands) {
-  const glm::dvec4& light = silhouette.light;
-  std::vector<std::uint8_t> without_fan;
-  for (const EdgeAdjacency::Part& part : adjacency.parts()) without_fan.push_back(!has_hub(part, light));
-  if (wanted.outline && !(wanted.dark_caps && std::ranges::find(without_fan, 1) != without_fan.end())) return;
-  const auto& facing = silhouette.facing;
-  const auto first = adjacency.first_at_position();
-  const auto key = [&](std::size_t t) {
-    return facing[t] != 0 && (!wanted.outline || without_fan[adjacency.part_of()[t]]) ? 1 : 0;
-  };
-  const KeyCounts written = write_in_order(faces.triangles, facing.size(), key, [&](std::size_t t) {
-    glm::uvec3 v = adjacency.triangles()[t];
-    if (facing[t] < 0) std::swap(v.y, v.z);
-    return glm::uvec3(first[v.x], first[v.y], first[v.z]);
-  });
-  const auto count = static_cast<std::uint32_t>(written.ones);
-  if (!wanted.outline) commands.triangle_sides.count = (wanted.are_pointed(light) ? 9 : 18) * count;
-  if (wanted.dark_caps) commands.far_triangles.count = 3 * count;
-}
-
-/// The counter-clockwise triangles, then the clockwise ones.
-void write_light_caps(const EdgeAdjacency& adjacency, const Silhouette& silhouette, FaceBuffers& faces,
-                      FaceCommands& commands) {
-  const std::span<const std::int8_t> facing = silhouette.facing;
-  const auto key = [&](std::size_t t) { return facing[t] < 0 ? 2 : int(facing[t]); };
-  const auto [up, down] =
-      write_in_order(faces.caps, facing.size(), key, [&](std::size_t t) { return adjacency.triangles()[t]; });
-  commands.caps.count = static_cast<std::uint32_t>(3 * up);
-  commands.reversed_caps.first_index = commands.caps.count;
-  commands.reversed_caps.count = static_cast<std::uint32_t>(3 * down);
-}
 
 constexpr std::string_view fetch_snippet = R"(
 layout(std430, binding = 0) readonly buffer Positions { float positions[]; };
@@ -175,22 +91,6 @@ const void* at(std::size_t offset) { return reinterpret_cast<const void*>(offset
 
 }  // namespace
 
-void RewrittenBuffer::reserve(std::size_t bytes) {
-  bytes_ = bytes;
-  if (buffer_ && buffer_.bytes >= bytes) return;
-  buffer_ = {};
-  buffer_ = Buffer(nullptr, bytes + bytes / 4, GL_MAP_WRITE_BIT | GL_MAP_READ_BIT | GL_DYNAMIC_STORAGE_BIT);
-}
-
-void* RewrittenBuffer::map(std::size_t bytes) {
-  void* const data =
-      glMapNamedBufferRange(buffer_.name(), 0, static_cast<GLsizeiptr>(bytes), GL_MAP_WRITE_BIT | GL_MAP_INVALIDATE_BUFFER_BIT);
-  if (!data) throw Error("a buffer of {} bytes cannot be mapped", bytes);
-  return data;
-}
-
-void RewrittenBuffer::unmap() { glUnmapNamedBuffer(buffer_.name()); }
-
 bool has_hub(const EdgeAdjacency::Part& part, const glm::dvec4& light) {
   return light.w == 0 || !part.bounds.holds(glm::dvec3(light) / light.w);
 }
@@ -230,29 +130,6 @@ std::optional<int> FarPlanes::end_of(const EdgeAdjacency::Part& part, const glm:
   return best;
 }
 
-void write_hubs(const EdgeAdjacency& adjacency, const glm::dvec4& light, const FarPlanes* ends, FaceBuffers& faces) {
-  faces.hubs.rewrite<glm::vec4>(std::max<std::size_t>(adjacency.parts().size(), 1), [&](std::span<glm::vec4> hubs) {
-    for (std::size_t i = 0; i < adjacency.parts().size(); ++i) {
-      const EdgeAdjacency::Part& part = adjacency.parts()[i];
-      const std::optional<int> plane = ends ? ends->end_of(part, light) : std::nullopt;
-      const int end = !has_hub(part, light) ? 0 : plane ? 2 + *plane : 1;
-      hubs[i] = end == 0 ? glm::vec4(0) : glm::vec4((part.bounds.min + part.bounds.max) / 2.0f, end);
-    }
-  });
-}
-
-FaceCommands write_faces(const EdgeAdjacency& adjacency, const Silhouette& silhouette, const WantedFaces& wanted,
-                         FaceBuffers& faces) {
-  FaceCommands commands;
-  faces.clear();
-  write_hubs(adjacency, silhouette.light, wanted.ends, faces);
-  if (wanted.outline) write_sides(silhouette, wanted, faces, commands);
-  write_turned_triangles(adjacency, silhouette, wanted, faces, commands);
-  if (wanted.light_caps) write_light_caps(adjacency, silhouette, faces, commands);
-  faces.commands.rewrite<FaceCommands>(1, [&](std::span<FaceCommands> mapped) { mapped[0] = commands; });
-  return commands;
-}
-
 VolumeProgram FaceDrawer::program(std::string_view title, std::string_view body) {
   return VolumeProgram(title, fmt::format("{}{}{}{}", position_snippet, fetch_snippet, quad_snippet, body));
 }
@@ -276,10 +153,11 @@ void FaceDrawer::setup(std::string_view title) {
 }
 
 void FaceDrawer::bind(const Buffer& positions, const FaceBuffers& faces, const glm::mat4& clip_from_world,
-                      const glm::dvec4& light, const FarPlanes* ends) {
+                      const glm::dvec4& light, const FarPlanes* ends, bool by_position) {
   require_storage_block(std::max(faces.sides.bytes(), faces.hubs.bytes()));
   clip_from_world_ = clip_from_world;
   light_ = glm::vec4(light);
+  by_position_ = by_position;
   is_pointed_ = WantedFaces{.ends = ends}.are_pointed(light);
   for (int k = 0; ends && k < 6; ++k) {
     far_planes_[k] = glm::vec4((*ends)[k]);
@@ -299,6 +177,7 @@ void FaceDrawer::draw_arrays(const VolumeCounter& counter, const VolumeProgram& 
     p.set("clip_from_world", clip_from_world_);
     p.set_if_used("light", light_);
     p.set_if_used("pointed", is_pointed_ ? 1 : 0);
+    p.set_if_used("by_position", by_position_ ? 1 : 0);
     p.set_if_used("far_planes", std::span<const glm::vec4>(far_planes_));
     p.set_if_used("far_heights", std::span<const glm::vec4>(far_heights_));
   });

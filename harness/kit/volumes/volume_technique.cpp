@@ -54,7 +54,7 @@ VolumeCounter::Work VolumeTechnique::measure_work() const {
 
 void VolumeTechnique::bind_faces(const Buffer& positions, const FaceBuffers& faces) const {
   const glm::mat4 clip(clip_from_world(*gbuffer_, *made_->scene));
-  made_->drawer.bind(positions, faces, clip, homogeneous(light_), ends());
+  made_->drawer.bind(positions, faces, clip, homogeneous(light_), ends(), made_->adjacency.has_meeting_vertices());
 }
 
 }  // namespace gnomon

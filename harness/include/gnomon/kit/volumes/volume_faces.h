@@ -40,7 +40,14 @@ class RewrittenBuffer {
   void rewrite(std::size_t count, Fill&& fill) {
     reserve(count * sizeof(T));
     if (count == 0) return;
-    fill(std::span<T>(static_cast<T*>(map(count * sizeof(T))), count));
+    fill(std::span<T>(static_cast<T*>(map(0, count * sizeof(T), GL_MAP_INVALIDATE_BUFFER_BIT)), count));
+    unmap();
+  }
+  /// Calls fill(span<T>) on the memory of some elements of what is there; the others keep what they hold.
+  template <class T, class Fill>
+  void rewrite_part(std::size_t first, std::size_t count, Fill&& fill) {
+    if (count == 0) return;
+    fill(std::span<T>(static_cast<T*>(map(first * sizeof(T), count * sizeof(T), GL_MAP_INVALIDATE_RANGE_BIT)), count));
     unmap();
   }
   template <class T>
@@ -48,13 +55,16 @@ class RewrittenBuffer {
     rewrite<T>(values.size(), [&](std::span<T> mapped) { std::ranges::copy(values, mapped.begin()); });
   }
   void reserve(std::size_t bytes);
+  /// Has so many bytes from now on, with what is written in them, where there is room; otherwise answers false and does
+  /// nothing.
+  bool resize(std::size_t bytes);
   void clear() { bytes_ = 0; }
   GLuint name() const { return buffer_.name(); }
   std::size_t bytes() const { return bytes_; }        ///< what was reserved since the last `clear`
   std::size_t room() const { return buffer_.bytes; }  ///< at least as much; how much more depends on earlier lights
 
  private:
-  void* map(std::size_t bytes);
+  void* map(std::size_t first, std::size_t bytes, GLbitfield loses);
   void unmap();
   Buffer buffer_;
   std::size_t bytes_ = 0;
@@ -62,7 +72,9 @@ class RewrittenBuffer {
 
 /// The faces of all volumes under one light, on the device.
 struct FaceBuffers {
-  RewrittenBuffer sides;      ///< uvec4: low, high, part, 1 where high comes first
+  /// uvec4: low, high, part, 1 where high comes first. Where several vertices may be at one position, low is the end with the
+  /// smaller coordinates in place of the smaller number.
+  RewrittenBuffer sides;
   RewrittenBuffer triangles;  ///< three uint32 a triangle, turned to the light: for sides and dark caps triangle by triangle
   RewrittenBuffer caps;       ///< three uint32 a triangle, as its mesh winds it
   /// vec4 of each part: the point that its fan turns about, and in w where its volume ends: 0 at infinity, without a fan, 1 at
@@ -98,6 +110,7 @@ struct WantedFaces {
   bool light_caps = true;           ///< for z-fail, and for a near cap
   bool dark_caps = true;            ///< for z-fail, unless the volumes end in one point
   const FarPlanes* ends = nullptr;  ///< where volumes may end, which takes outline and dark caps; null: at infinity
+  bool operator==(const WantedFaces&) const = default;
 
   /// Whether all sides are triangles that end in one point.
   bool are_pointed(const glm::dvec4& light) const { return light.w == 0 && !ends; }
@@ -113,23 +126,28 @@ void write_hubs(const EdgeAdjacency& adjacency, const glm::dvec4& light, const F
 FaceCommands write_faces(const EdgeAdjacency& adjacency, const Silhouette& silhouette, const WantedFaces& wanted,
                          FaceBuffers& faces);
 
+/// The same over what it wrote before, which gave `before`, for the same light and wanted faces: only of the triangles
+/// `refaced` some may face the light otherwise. Writes what may have changed, and the same bytes as write_faces.
+FaceCommands rewrite_faces(const EdgeAdjacency& adjacency, const Silhouette& silhouette, const WantedFaces& wanted,
+                           const Refaced& refaced, const FaceCommands& before, FaceBuffers& faces);
+
 /// Draws the faces.
 class FaceDrawer {
  public:
   /// A program of a vertex shader that fetches vertices by number. Its source has, behind position_snippet, the buffers of
-  /// FaceBuffers at bindings 1 to 3, `vec4 light` and `bool pointed`, and offers `vec3 fetch(uint vertex)`, `vec4 end_of(vec3
-  /// p, float end)` for an end as hubs have it, and `vec4 quad_corner(uint low, uint high, bool high_first, float end, int
-  /// corner)`, a corner of the six (pointed: three) of a side.
+  /// FaceBuffers at bindings 1 to 3, `vec4 light` and `bool pointed`; it may declare `bool by_position`, see `bind`. It offers
+  /// `vec3 fetch(uint vertex)`, `vec4 end_of(vec3 p, float end)` for an end as hubs have it, and `vec4 quad_corner(uint low,
+  /// uint high, bool high_first, float end, int corner)`, a corner of the six (pointed: three) of a side.
   static VolumeProgram program(std::string_view title, std::string_view body);
 
   /// What any drawing of the volumes of this scene's triangles needs of the device; how many sides they have shows later.
   static GlLimits needs(const Scene& scene);
 
   void setup(std::string_view title);
-  /// Before any draw of a pass. `positions` holds the vertices of the adjacency's scene, tightly packed. Throws Error where the
-  /// device cannot read that many sides.
+  /// Before any draw of a pass. `positions` holds the vertices of the adjacency's scene, tightly packed; `by_position` says
+  /// whether several of them may be at one position. Throws Error where the device cannot read that many sides.
   void bind(const Buffer& positions, const FaceBuffers& faces, const glm::mat4& clip_from_world, const glm::dvec4& light,
-            const FarPlanes* ends = nullptr);
+            const FarPlanes* ends = nullptr, bool by_position = false);
   /// Side quads of the outline.
   void draw_sides(const VolumeCounter& counter) const {
     draw_arrays(counter, sides_, VolumeFace::side, offsetof(FaceCommands, sides));
@@ -148,7 +166,7 @@ class FaceDrawer {
   VertexArray vertex_array_;
   glm::mat4 clip_from_world_{1};
   glm::vec4 light_{0};
-  bool is_pointed_ = false;
+  bool is_pointed_ = false, by_position_ = false;
   std::array<glm::vec4, 6> far_planes_{}, far_heights_{};
 };
 
