@@ -40,7 +40,10 @@ void print_contents(const fs::path& folder) {
   line("records.jsonl", "every raw repetition and metric");
   line("run.json", "command, suite, scenes and build that made them");
   static constexpr std::pair<const char*, const char*> rooms[] = {
-      {"masks/", "visibility masks, EXR"}, {"errors/", "error pictures, PNG"}, {"shaded/", "shaded pictures, PNG"}};
+      {"masks/", "visibility masks, EXR"},
+      {"errors/", "error pictures, PNG"},
+      {"shaded/", "shaded pictures, PNG"},
+      {"frames/", "masks and references of the frames of rows on a path, PNG"}};
   for (const auto& [room, what] : rooms)
     if (fs::exists(folder / room)) line(room, what);
   line("table.*", "this table as md, csv, tex, json");

@@ -73,7 +73,7 @@ void print_table(TableCommand& options) {
 
 struct PageOptions {
   std::string dir, out;
-  bool without_pictures = false;
+  bool without_pictures = false, with_all_frames = false;
 };
 
 void make_page(const PageOptions& options) {
@@ -81,7 +81,7 @@ void make_page(const PageOptions& options) {
       options.out.empty() ? std::filesystem::path(options.dir) / "report.html" : std::filesystem::path(options.out);
   if (std::filesystem::is_directory(out)) throw Error("--out {} is a folder; the name of a file is wanted", out.string());
   const std::vector<Record> records = read_records(options.dir);
-  const Report report = make_report(options.dir, records, !options.without_pictures);
+  const Report report = make_report(options.dir, records, !options.without_pictures, options.with_all_frames);
   write_file(replaced_file(out), report.html);
   for (const std::string& note : report.notes) print_notice("{}\n", note);
   fmt::print("{}\n", out.string());
@@ -112,6 +112,8 @@ void add_report(Program& program) {
   command.option("--out", &options.out, "The page; report.html in the run's folder unless given",
                  {.check = not_empty(), .type_name = "FILE"});
   command.flag("--no-pictures", &options.without_pictures, "Leave out the pictures: a small page without the comparer");
+  command.flag("--all-frames", &options.with_all_frames,
+               "Play the frames of every row on a path, however large the page gets; else of those that fit into 8 MB");
 }
 
 }  // namespace gnomon::app

@@ -205,11 +205,11 @@ export const shownRows = (page) =>
 export const dataOf = (page) => page.evaluate(() => JSON.parse(document.getElementById("data").textContent));
 
 /** Color [r, g, b] of the canvas where the picture's pixel lies, the whole picture being fit. */
-export async function colorAt(page, x, y) {
+export async function colorAt(page, x, y, name = "viewport") {
   await settled(page);
   return page.evaluate(
-    ([x, y]) => {
-      const canvas = document.querySelector(".viewport canvas");
+    ([x, y, name]) => {
+      const canvas = document.querySelector(`.${name} canvas`);
       const [width, height] = canvas.style.aspectRatio.split("/").map(Number);
       const scale = Math.min(canvas.width / width, canvas.height / height);
       const left = (canvas.width - scale * width) / 2,
@@ -218,7 +218,7 @@ export async function colorAt(page, x, y) {
       copy.drawImage(canvas, -Math.floor(left + (x + 0.5) * scale), -Math.floor(top + (y + 0.5) * scale));
       return [...copy.getImageData(0, 0, 1, 1).data].slice(0, 3);
     },
-    [x, y],
+    [x, y, name],
   );
 }
 

@@ -3,7 +3,7 @@
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
 
-import { closeBrowser, colorAt, dataOf, open, openBrowser, readOut, screenshot, settled } from "./browser.js";
+import { choose as chooseMode, closeBrowser, colorAt, dataOf, open, openBrowser, readOut, screenshot, settled } from "./browser.js";
 import { makeRun, report } from "./small_run.js";
 
 // Of slope.toml, at 160 x 90: 90 pixels see 8.284 m, so a meter is 10.864 pixels. The shadow's middle, x = -1, is 10.9 pixels
@@ -152,7 +152,7 @@ test("two fingers zoom", async () => {
 test("flicker, difference, causes and classes", async () => {
   const page = await openPictures("unshadowed");
   const choose = async (name) => {
-    await page.locator(`.modes input[value=${name}]`).check({ force: true });
+    await chooseMode(page, name);
     await settled(page);
   };
   await choose("flicker");

@@ -22,6 +22,9 @@ struct Picture {
 /// what each call does.
 struct ImageFiles {
   void (*write_png)(const std::filesystem::path& path, const Picture& picture);
+  /// 8 bits of gray a pixel, as they are; with alpha two bytes a pixel.
+  void (*write_gray_png)(const std::filesystem::path& path, int width, int height, std::span<const std::uint8_t> values,
+                         bool has_alpha);
   void (*write_exr)(const std::filesystem::path& path, int width, int height, std::span<const std::string> names,
                     std::span<const std::span<const float>> channels);
   std::vector<float> (*read_exr)(const std::filesystem::path& path, const std::string& channel, int width, int height);

@@ -148,6 +148,12 @@ void write_png(const fs::path& path, const Picture& picture) {
   image_files().write_png(path, picture);
 }
 
+void write_gray_png(const fs::path& path, int width, int height, std::span<const std::uint8_t> values, bool has_alpha) {
+  assert(values.size() == static_cast<std::size_t>(width) * height * (has_alpha ? 2 : 1));
+  make_way(path);
+  image_files().write_gray_png(path, width, height, values, has_alpha);
+}
+
 void write_exr(const fs::path& path, int width, int height, std::span<const std::string> names,
                std::span<const std::span<const float>> channels) {
   make_way(path);

@@ -39,6 +39,10 @@ Picture draw_layer(std::span<const float> linear, int width, int height, const D
 /// PNG. Throws Error when it cannot be written; nothing half-written stays.
 void write_png(const std::filesystem::path& path, const Picture& picture);
 
+/// 8 bits of gray a pixel, with alpha two bytes a pixel, as they are: no curve. As `write_png` otherwise.
+void write_gray_png(const std::filesystem::path& path, int width, int height, std::span<const std::uint8_t> values,
+                    bool has_alpha = false);
+
 /// One float channel per mask, named `names[k]`; zip-compressed half would round visibilities, so float it is.
 void write_exr(const std::filesystem::path& path, int width, int height, std::span<const std::string> names,
                std::span<const std::span<const float>> channels);

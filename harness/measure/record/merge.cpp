@@ -48,6 +48,14 @@ void require_inside(const fs::path& path, const MergedRow& row) {
                 path.string(), row.folder.string(), file.string(), row.record.job);
 }
 
+/// Copies a picture of a row into a folder. Returns whether there is one.
+bool copy_picture(const std::string& name, const MergedRow& row, const fs::path& into) {
+  if (!fs::is_regular_file(row.folder / name)) return false;
+  fs::create_directories((into / name).parent_path());
+  fs::copy_file(row.folder / name, into / name);
+  return true;
+}
+
 /// A note for each fact that should be one for all rows and is not.
 void note_mixture(Merge& merge) {
   constexpr std::string_view times = "their times are not comparable", rows = "their rows may not be comparable";
@@ -170,7 +178,8 @@ std::size_t write_merge(const Merge& merge, const fs::path& out, const std::func
   try {
     fs::create_directory(staged);
     std::string lines;
-    std::map<std::string, const MergedRow*> owners;
+    using Owner = std::pair<const MergedRow*, bool>;  // whether other rows may name it, too
+    std::map<std::string, Owner> owners;
     std::size_t missing = 0;
     for (const MergedRow& row : merge.rows) {
       Record record = row.record;
@@ -179,18 +188,18 @@ std::size_t write_merge(const Merge& merge, const fs::path& out, const std::func
         record.context["scene_file"] = path ? Json(*path) : Json();
       }
       lines += record_line(record);
-      for (const std::string& name : pictures(row.record)) {
-        require_inside(name, row);
-        if (const auto [owner, is_new] = owners.try_emplace(name, &row); !is_new)
-          throw Error("picture {} is named by two rows: job {} of {} and job {} of {}", name, owner->second->record.job,
-                      owner->second->folder.string(), row.record.job, row.folder.string());
-        if (!fs::is_regular_file(row.folder / name)) {
-          ++missing;
-          continue;
+      for (const bool is_shared : {false, true})
+        for (const std::string& name : is_shared ? shared_pictures(row.record) : pictures(row.record)) {
+          require_inside(name, row);
+          const auto [known, is_new] = owners.try_emplace(name, Owner{&row, is_shared});
+          const auto& [owner, was_shared] = known->second;
+          if (!is_new && !(is_shared && was_shared))
+            throw Error("picture {} is named by two rows: job {} of {} and job {} of {}", name, owner->record.job,
+                        owner->folder.string(), row.record.job, row.folder.string());
+          // The name of a shared one says what it shows: whichever folder has it.
+          if (is_shared && fs::exists(staged / name)) continue;
+          if (!copy_picture(name, row, staged)) ++missing;
         }
-        fs::create_directories((staged / name).parent_path());
-        fs::copy_file(row.folder / name, staged / name);
-      }
     }
     write_file(records_file(staged), lines, Durable::yes);
     finish(staged);

@@ -41,6 +41,9 @@ static void for_each_field(MaybeConst<Record::LightFacts> auto& r, const auto& u
 static void for_each_field(MaybeConst<Record::OwnCauseFacts> auto& r, const auto& use) {
   use("name", r.name, "sentence", r.sentence, "color", r.color);
 }
+static void for_each_field(MaybeConst<Record::KeptFrames> auto& r, const auto& use) {
+  use("numbers", r.numbers, "mask", r.mask, "reference", r.reference);
+}
 static void for_each_field(MaybeConst<Record::SceneFacts> auto& r, const auto& use) {
   use("meshes", r.meshes, "triangles", r.triangles, "closed", r.closed);
   use("boundary_edges", r.boundary_edges, "nonmanifold_edges", r.nonmanifold_edges);
@@ -59,7 +62,7 @@ static void for_each_field(MaybeConst<Record> auto& r, const auto& use) {
   use("classes", r.classes, "metrics", r.metrics, "causes", r.causes, "own_causes", r.own_causes);
   use("cause_errors", r.cause_errors, "frames", r.frames, "exposure", r.exposure);
   use("mask", r.mask, "error_picture", r.error_picture, "shaded_picture", r.shaded_picture);
-  use("scene_facts", r.scene_facts, "notes", r.notes, "context", r.context, "seconds", r.seconds);
+  use("kept_frames", r.kept_frames, "scene_facts", r.scene_facts, "notes", r.notes, "context", r.context, "seconds", r.seconds);
 }
 
 std::string context_text(const Record& record, std::string_view key) {
@@ -78,8 +81,8 @@ void to_json(Json& json, const Record& r) {
   json = Json::object();
   json["schema"] = record_schema;
   json.update(written(r));
-  // The line of a row whose geometry stands still does not have them.
-  for (const char* key : {"start", "frame_rate", "moving_stages"})
+  // The line of a row whose geometry stands still does not have them, nor that of a still the last one.
+  for (const char* key : {"start", "frame_rate", "moving_stages", "kept_frames"})
     if (json[key].empty()) json.erase(key);
   if (std::size(r.lights) == 1)
     for (const char* key : {"classes", "metrics", "causes", "cause_errors"}) json["lights"].front().erase(key);
@@ -131,7 +134,7 @@ void forget_results(Record& r) {
   const auto empty = [](auto&... fields) { ((fields = std::decay_t<decltype(fields)>()), ...); };
   empty(r.stages, r.moving_stages, r.device_stages, r.harness_stages, r.iterations, r.stop, r.counts, r.bytes, r.peak_bytes,
         r.floor, r.gl, r.classes, r.metrics, r.causes, r.cause_errors, r.frames, r.exposure, r.mask, r.error_picture,
-        r.shaded_picture, r.shares_build);
+        r.shaded_picture, r.kept_frames, r.shares_build);
   for (Record::LightFacts& light : r.lights)
     empty(light.reference, light.classes, light.metrics, light.causes, light.cause_errors);
 }
@@ -140,8 +143,19 @@ std::vector<std::string> pictures(const Record& record) {
   std::vector<std::string> names;
   for (const auto& name : {record.mask, record.error_picture, record.shaded_picture})
     if (name) names.push_back(*name);
+  if (record.kept_frames)
+    for (const int frame : record.kept_frames->numbers) names.push_back(frame_picture(record.kept_frames->mask, frame));
   return names;
 }
+
+std::vector<std::string> shared_pictures(const Record& record) {
+  std::vector<std::string> names;
+  if (record.kept_frames && !record.kept_frames->reference.empty())
+    for (const int frame : record.kept_frames->numbers) names.push_back(frame_picture(record.kept_frames->reference, frame));
+  return names;
+}
+
+std::string frame_picture(const std::string& folder, int frame) { return fmt::format("{}/{:04}.png", folder, frame); }
 
 std::string record_line(const Record& record) {
   // Text from outside (paths, an importer's message) may not be UTF-8: what is not becomes U+FFFD.

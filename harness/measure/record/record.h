@@ -121,6 +121,13 @@ struct Record {
   /// What irradiance is multiplied by in the row's pictures, m2/W; on a path that of the last frame.
   std::optional<double> exposure;
   std::optional<std::string> mask, error_picture, shaded_picture;  ///< paths relative to the run's folder
+  /// On a path: pictures of its frames, NUMBER.png in these folders, relative to the run's (frame_picture).
+  struct KeptFrames {
+    std::vector<int> numbers;  ///< of the frames that have them, from 0, ascending
+    std::string mask;          ///< this row's
+    std::string reference;     ///< those of all rows with the same frames; empty until the row has all of its own
+  };
+  std::optional<KeptFrames> kept_frames;  ///< nothing where the run keeps none
 
   struct SceneFacts {
     std::uint64_t meshes = 0, triangles = 0;
@@ -196,8 +203,12 @@ void from_json(const Json& json, Record& record);
 /// Removes all that was measured. The job, where it was to run, and the technique's support stay.
 void forget_results(Record& record);
 
-/// The pictures that it names, paths relative to the run's folder.
+/// The pictures that it names, paths relative to the run's folder, but for those that other rows may name, too.
 std::vector<std::string> pictures(const Record& record);
+/// Those, which one row alone does not remove: of the references of its frames.
+std::vector<std::string> shared_pictures(const Record& record);
+/// The picture of a frame in a folder of KeptFrames.
+std::string frame_picture(const std::string& folder, int frame);
 
 /// The line of records.jsonl, newline included.
 std::string record_line(const Record& record);

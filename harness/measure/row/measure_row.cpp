@@ -65,6 +65,8 @@ class RowMeasurement {
     add_headline_truth(frame);
     return true;
   }
+  /// The frame that was added last.
+  const MeasuredRow& now() const { return now_; }
 
   MeasuredRow finish() {
     std::vector<Score> lights;
@@ -159,7 +161,8 @@ class RowMeasurement {
 
 }  // namespace
 
-std::optional<MeasuredRow> measure(Record& record, SceneRun& run, ContenderWorker& worker, const RowFrame& first) {
+std::optional<MeasuredRow> measure(Record& record, SceneRun& run, ContenderWorker& worker, const RowFrame& first,
+                                   RowFrames* kept) {
   worker.note_gl(record);
   if (first.global_samples > 0)
     if (const auto why = untraceable_light(run.scene)) record.notes.push_back(fmt::format("no radiosity_error: {}", *why));
@@ -167,8 +170,11 @@ std::optional<MeasuredRow> measure(Record& record, SceneRun& run, ContenderWorke
     if (const std::string why = flicker_obstacle(first.path->frame_rate); !why.empty())
       record.notes.push_back(fmt::format("no flicker: {}", why));
   RowMeasurement measurement(record, run, worker, first);
-  for (RowFrame frame = first; frame.number < first.count(); ++frame.number)
+  for (RowFrame frame = first; frame.number < first.count(); ++frame.number) {
     if (!measurement.add(frame)) return std::nullopt;
+    if (kept) kept->add(frame.number, measurement.now(), run.scene);
+  }
+  if (kept) kept->finish();
   if (first.path) worker.go(first, record.truth);
   return measurement.finish();
 }

@@ -13,17 +13,6 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// Letters, digits, dots and dashes of the job's title, and its hash: readable, unique, and no longer than a file's name may
-/// be.
-std::string file_stem(const Record& record) {
-  std::string stem;
-  const std::string scene = without_time(record.scene), time = record.scene.substr(scene.size());
-  for (const char c : fmt::format("{}{}-{}-{}", fs::path(scene).stem().string(), time, record.light, record.technique))
-    stem += std::isalnum(static_cast<unsigned char>(c)) || c == '.' || c == '-' || c == '_' ? c : '-';
-  constexpr std::size_t most = 180;
-  return stem.substr(0, most) + "-" + record.job.substr(0, 8);
-}
-
 Record::SceneFacts facts_of(const Scene& scene) {
   Record::SceneFacts facts{.meshes = scene.meshes.size(), .triangles = scene.triangle_count(), .closed = true};
   for (const Mesh& mesh : scene.meshes) {
@@ -98,6 +87,7 @@ void describe_lights(Record& record, const Scene& scene, std::span<const Light* 
 void remove_pictures(const Record& record, const fs::path& out) {
   std::error_code ignored;
   for (const std::string& picture : pictures(record)) fs::remove(out / picture, ignored);
+  if (record.kept_frames && !record.kept_frames->mask.empty()) fs::remove(out / record.kept_frames->mask, ignored);
 }
 
 Evidence MeasuredRow::evidence(const Scene& scene) const {
@@ -135,8 +125,17 @@ Picture shade(const Scene& scene, const MeasuredRow& row) {
   return shade(scene, row.gbuffer(), channels, exposure_of(scene, row.gbuffer(), whole.received));
 }
 
+std::string picture_stem(const Record& record) {
+  std::string stem;
+  const std::string scene = without_time(record.scene), time = record.scene.substr(scene.size());
+  for (const char c : fmt::format("{}{}-{}-{}", fs::path(scene).stem().string(), time, record.light, record.technique))
+    stem += std::isalnum(static_cast<unsigned char>(c)) || c == '.' || c == '-' || c == '_' ? c : '-';
+  constexpr std::size_t most = 180;
+  return stem.substr(0, most) + "-" + record.job.substr(0, 8);
+}
+
 void write_mask(Record& record, const MeasuredRow& measured, const fs::path& out) {
-  record.mask = "masks/" + file_stem(record) + ".exr";
+  record.mask = "masks/" + picture_stem(record) + ".exr";
   // For `--rescore` and the report: the mask, the cause of each pixel, the mask under the other truth, and pictures of all
   // light.
   const MaskChannels file = mask_channels(record, measured);
@@ -144,7 +143,7 @@ void write_mask(Record& record, const MeasuredRow& measured, const fs::path& out
 }
 
 void write_pictures(Record& record, const Scene& scene, const MeasuredRow& measured, const fs::path& out) {
-  const std::string stem = file_stem(record);
+  const std::string stem = picture_stem(record);
   record.error_picture = "errors/" + stem + ".png";
   record.shaded_picture = "shaded/" + stem + ".png";
   write_png(out / *record.error_picture, draw_errors(measured.evidence(scene), setting_name(record)));

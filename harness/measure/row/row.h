@@ -47,11 +47,14 @@ void describe_scene(Record& record, const Scene& scene);
 /// Sets the names and kinds of a row's lights, and with them the kind of the row's answer. `light` stays.
 void describe_lights(Record& record, const Scene& scene, std::span<const Light* const> lights);
 
+/// Letters, digits, dots and dashes of the job's title, and its hash: readable, unique, and no longer than a file's name may
+/// be.
+std::string picture_stem(const Record& record);
 /// Writes the mask below `out` and names it in the record.
 void write_mask(Record& record, const MeasuredRow& measured, const std::filesystem::path& out);
 /// The same of error picture and shaded picture.
 void write_pictures(Record& record, const Scene& scene, const MeasuredRow& measured, const std::filesystem::path& out);
-/// Removes those that the record names.
+/// Removes those that the record names, and no other row.
 void remove_pictures(const Record& record, const std::filesystem::path& out);
 
 }  // namespace gnomon

@@ -208,7 +208,9 @@ class Batch {
     if (const auto harness = setup.other_clocks.harness) row.record.harness_times(Stage::setup).push_back({*harness});
     row.record.iterations["setup"] = 1;
     if (process_ > 0) return;
-    const auto measured = measure(row.record, run_, worker, frame);
+    std::optional<RowFrames> kept;
+    if (frame.path && suite_.pictures == Suite::Pictures::all) kept.emplace(row.record, sides_[row.side].out, frame.count());
+    const auto measured = measure(row.record, run_, worker, frame, kept ? &*kept : nullptr);
     if (!measured) return give_up(row, Status::unsupported);
     if (suite_.pictures != Suite::Pictures::none) write_mask(row.record, *measured, sides_[row.side].out);
     if (suite_.pictures != Suite::Pictures::all) return;

@@ -2,6 +2,7 @@
 
 #include <charconv>
 
+#include "measure/part_file.h"
 #include "measure/paths.h"
 #include "measure/pattern.h"
 #include "measure/record/scene_place.h"
@@ -36,6 +37,7 @@ void remove_unfinished_pictures(const fs::path& out) {
     if (const fs::path folder = out / kind; fs::is_directory(folder))
       for (const fs::directory_entry& entry : fs::directory_iterator(folder))
         if (is_unfinished(entry.path().filename().string())) fs::remove(entry.path(), ignored);
+  remove_left_over_parts(out / "frames");
 }
 
 /// How rows are run, and what is done with them.

@@ -36,7 +36,7 @@ std::string title_of(const fs::path& dir, std::span<const Record> records) {
 
 }  // namespace
 
-Report make_report(const fs::path& dir, std::span<const Record> records, bool with_pictures) {
+Report make_report(const fs::path& dir, std::span<const Record> records, bool with_pictures, bool with_all_frames) {
   if (page_template().empty())
     throw Error("this program was built without the report's page (GNOMON_REPORT=OFF); `gnomon table` has the same numbers");
   if (records.empty()) throw Error("{} holds no records; a report wants at least one", dir.string());
@@ -47,8 +47,11 @@ Report make_report(const fs::path& dir, std::span<const Record> records, bool wi
   data["title"] = title;
   PictureSet pictures = with_pictures ? collect_pictures(dir, layout) : PictureSet();
   if (!with_pictures) pictures.notes.push_back("pictures were left out on demand");
+  const Json frames = collect_frames(dir, layout, with_pictures, with_all_frames, pictures);
   for (std::size_t k = 0; k < pictures.groups.size(); ++k) data["groups"][k]["pictures"] = pictures.groups[k];
   for (std::size_t k = 0; k < pictures.rows.size(); ++k) data["rows"][k]["pictures"] = pictures.rows[k];
+  for (std::size_t k = 0; k < frames.size(); ++k)
+    if (!frames[k].is_null()) data["rows"][k]["kept_frames"] = frames[k];
   data["notes"] = pictures.notes;
 
   std::string blobs;

@@ -53,6 +53,16 @@ struct PictureSet {
 /// has changed since it was measured.
 PictureSet collect_pictures(const std::filesystem::path& dir, const Layout& layout);
 
+/// The most base64 of pictures of frames in a page that need not have all.
+inline constexpr std::size_t most_frame_bytes = 8'000'000;
+/// By row in the layout's order: null of a still and of a row without an answer. Of a row on a path {numbers, start,
+/// frame_rate, mask, reference}: the frames that have pictures; seconds at frame 0, null where geometry stands still; frames
+/// per second; the numbers of two blobs, which are added to the set. `mask` has one byte a pixel for each frame, `reference` a
+/// byte of its visibility for each pixel and then a byte of its alpha (see RowFrames), frame after frame. Each byte is less
+/// that of the frame before it, modulo 256. {reason} of a row on a path that the page has no frames of.
+Json collect_frames(const std::filesystem::path& dir, const Layout& layout, bool with_pictures, bool with_all_frames,
+                    PictureSet& set);
+
 /// The precision of the page's visibilities under a light: 8 bits, under one with area 12, a step of 0.00024. A step of 8 bits
 /// is 0.004, as wide as the 95 % band of the usual reference.
 int bits_of_shares(AnswerKind kind);

@@ -229,6 +229,33 @@ TEST_F(MergeFolderTest, pictures_are_copied_byte_by_byte_and_the_folder_appears_
   EXPECT_EQ(std::distance(fs::directory_iterator(dir / "deep/er"), {}), 1);
 }
 
+TEST_F(MergeFolderTest, references_of_frames_that_rows_share_are_copied_once) {
+  Record a = row(0), b = row(1);
+  a.kept_frames = {.numbers = {0, 2}, .mask = "frames/a", .reference = "frames/reference-0"};
+  b.kept_frames = {.numbers = {0, 2}, .mask = "frames/b", .reference = "frames/reference-0"};
+  for (const char* name : {"x/frames/a/0000.png", "x/frames/a/0002.png", "y/frames/b/0000.png", "y/frames/b/0002.png",
+                           "x/frames/reference-0/0000.png", "y/frames/reference-0/0000.png", "y/frames/reference-0/0002.png"})
+    write(name, fs::path(name).filename().string());
+  const Merge merge = merge_records(Runs{{dir / "x", {a}}, {dir / "y", {b}}});
+  // One of a's is not there, and b's has the same name.
+  EXPECT_EQ(write_merge(merge, dir / "out", [](const fs::path&) {}), 1u);
+  for (const Record& r : {a, b})
+    for (const std::vector<std::string>& names : {pictures(r), shared_pictures(r)})
+      for (const std::string& name : names) EXPECT_EQ(text("out/" + name), fs::path(name).filename().string()) << name;
+  b.mask = "frames/reference-0/0002.png";
+  const auto merged = [&] {
+    write_merge(merge_records(Runs{{dir / "x", {a}}, {dir / "y", {b}}}), dir / "no", [](const fs::path&) {});
+  };
+  EXPECT_NE(complaint(merged).find("picture frames/reference-0/0002.png is named by two rows"), std::string::npos)
+      << complaint(merged);
+  b.mask.reset();
+  b.kept_frames->reference = "../y/frames/reference-0";
+  EXPECT_NE(complaint(merged).find("picture ../y/frames/reference-0/0000.png is not a path below the run's folder"),
+            std::string::npos)
+      << complaint(merged);
+  EXPECT_FALSE(fs::exists(dir / "no"));
+}
+
 TEST_F(MergeFolderTest, what_goes_wrong_leaves_nothing_behind) {
   Record a = row(0), twin = row(1), thief = row(2);
   a.mask = twin.mask = "masks/a.exr";

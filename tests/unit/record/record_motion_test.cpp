@@ -72,6 +72,21 @@ TEST(record_motion, what_was_measured_is_forgotten_and_where_it_was_asked_for_st
   EXPECT_EQ(r.path, "walk");
 }
 
+TEST(record_motion, kept_frames_are_written_where_there_are_some) {
+  EXPECT_FALSE(Json(moving()).contains("kept_frames"));
+  Record r = moving();
+  r.mask = "masks/walk.exr";
+  r.kept_frames = {.numbers = {0, 3, 12345}, .mask = "frames/walk", .reference = "frames/reference-0"};
+  const Record back = Json::parse(record_line(r)).get<Record>();
+  ASSERT_TRUE(back.kept_frames);
+  EXPECT_EQ(back.kept_frames->numbers, r.kept_frames->numbers);
+  EXPECT_TRUE(back.unknown.empty());
+  EXPECT_EQ(pictures(back), (std::vector<std::string>{"masks/walk.exr", "frames/walk/0000.png", "frames/walk/0003.png",
+                                                      "frames/walk/12345.png"}));
+  EXPECT_EQ(shared_pictures(back).back(), "frames/reference-0/12345.png");
+  EXPECT_TRUE(shared_pictures(moving()).empty());
+}
+
 TEST(record_motion, a_wrong_field_is_named) {
   Json json = moving();
   json["moving_stages"]["relight"] = Json::array({Json::array({"soon"})});

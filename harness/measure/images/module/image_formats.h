@@ -33,6 +33,8 @@ std::unique_ptr<ImageReader> open_exr(const std::filesystem::path& path);
 
 /// Each writes to a file that is under that name already; throws Error with the reason alone.
 void write_png_file(const std::filesystem::path& path, const Picture& picture);
+void write_gray_png_file(const std::filesystem::path& path, int width, int height, std::span<const std::uint8_t> values,
+                         bool has_alpha);
 void write_exr_file(const std::filesystem::path& path, int width, int height, std::span<const std::string> names,
                     std::span<const std::span<const float>> channels);
 

@@ -32,6 +32,10 @@ void write_png(const fs::path& path, const Picture& picture) {
   write_image(path, [&](const fs::path& file) { write_png_file(file, picture); });
 }
 
+void write_gray_png(const fs::path& path, int width, int height, std::span<const std::uint8_t> values, bool has_alpha) {
+  write_image(path, [&](const fs::path& file) { write_gray_png_file(file, width, height, values, has_alpha); });
+}
+
 void write_exr(const fs::path& path, int width, int height, std::span<const std::string> names,
                std::span<const std::span<const float>> channels) {
   write_image(path, [&](const fs::path& file) { write_exr_file(file, width, height, names, channels); });
@@ -104,5 +108,5 @@ std::pair<int, int> exr_size(const fs::path& path) {
 
 extern "C" const gnomon::ImageFiles gnomon_image_files;
 namespace images = gnomon::image_module;
-const gnomon::ImageFiles gnomon_image_files{images::write_png,    images::write_exr, images::read_exr,
-                                            images::exr_channels, images::exr_size,  images::draw_text};
+const gnomon::ImageFiles gnomon_image_files{images::write_png,    images::write_gray_png, images::write_exr, images::read_exr,
+                                            images::exr_channels, images::exr_size,       images::draw_text};

@@ -116,12 +116,18 @@ class PngReader final : public ImageReader {
   int passes_ = 1;
 };
 
-void write_rows(png_structp png, png_infop info, std::FILE* file, const Picture& picture, const char* rows_of_legend) {
+/// What a file shall hold, 8 bits a channel.
+struct Pixels {
+  int width = 0, height = 0, color_type = PNG_COLOR_TYPE_RGB;
+  std::span<const std::uint8_t> bytes;
+};
+
+void write_rows(png_structp png, png_infop info, std::FILE* file, const Pixels& pixels, const char* rows_of_legend) {
   png_init_io(png, file);
   png_set_compression_level(png, 3);
-  png_set_IHDR(png, info, static_cast<png_uint_32>(picture.width), static_cast<png_uint_32>(picture.height), 8,
-               PNG_COLOR_TYPE_RGB, PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
-  png_set_sRGB(png, info, PNG_sRGB_INTENT_ABSOLUTE);
+  png_set_IHDR(png, info, static_cast<png_uint_32>(pixels.width), static_cast<png_uint_32>(pixels.height), 8, pixels.color_type,
+               PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+  if (pixels.color_type == PNG_COLOR_TYPE_RGB) png_set_sRGB(png, info, PNG_sRGB_INTENT_ABSOLUTE);
   if (*rows_of_legend) {
     png_text text{};
     text.compression = PNG_TEXT_COMPRESSION_NONE;
@@ -130,9 +136,20 @@ void write_rows(png_structp png, png_infop info, std::FILE* file, const Picture&
     png_set_text(png, info, &text, 1);
   }
   png_write_info(png, info);
-  for (int y = 0; y < picture.height; ++y)
-    png_write_row(png, picture.rgb.data() + 3 * static_cast<std::size_t>(y) * static_cast<std::size_t>(picture.width));
+  const std::size_t row_bytes = png_get_rowbytes(png, info);
+  for (int y = 0; y < pixels.height; ++y) png_write_row(png, pixels.bytes.data() + static_cast<std::size_t>(y) * row_bytes);
   png_write_end(png, info);
+}
+
+void write_pixels(const std::filesystem::path& path, const Pixels& pixels, const std::string& rows_of_legend) {
+  File file = open_file(path, "wb");
+  Reason reason{};
+  png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, reason, keep_reason, ignore);
+  png_infop info = png ? png_create_info_struct(png) : nullptr;
+  const bool is_written = info && guarded(png, [&] { write_rows(png, info, file.get(), pixels, rows_of_legend.c_str()); });
+  png_destroy_write_struct(&png, &info);
+  if (!is_written) throw Error("{}", *reason ? reason : "there is no memory for it");
+  if (std::fclose(file.release()) != 0) throw Error("{}", std::strerror(errno));
 }
 
 }  // namespace
@@ -140,15 +157,13 @@ void write_rows(png_structp png, png_infop info, std::FILE* file, const Picture&
 std::unique_ptr<ImageReader> open_png(const std::filesystem::path& path) { return std::make_unique<PngReader>(path); }
 
 void write_png_file(const std::filesystem::path& path, const Picture& picture) {
-  File file = open_file(path, "wb");
-  Reason reason{};
-  const std::string rows = picture.legend_height > 0 ? std::to_string(picture.legend_height) : "";
-  png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, reason, keep_reason, ignore);
-  png_infop info = png ? png_create_info_struct(png) : nullptr;
-  const bool is_written = info && guarded(png, [&] { write_rows(png, info, file.get(), picture, rows.c_str()); });
-  png_destroy_write_struct(&png, &info);
-  if (!is_written) throw Error("{}", *reason ? reason : "there is no memory for it");
-  if (std::fclose(file.release()) != 0) throw Error("{}", std::strerror(errno));
+  write_pixels(path, {.width = picture.width, .height = picture.height, .bytes = picture.rgb},
+               picture.legend_height > 0 ? std::to_string(picture.legend_height) : "");
+}
+
+void write_gray_png_file(const std::filesystem::path& path, int width, int height, std::span<const std::uint8_t> values,
+                         bool has_alpha) {
+  write_pixels(path, {width, height, has_alpha ? PNG_COLOR_TYPE_GRAY_ALPHA : PNG_COLOR_TYPE_GRAY, values}, "");
 }
 
 }  // namespace gnomon::image_module

@@ -25,6 +25,16 @@ export function blob(number) {
   return read.get(number);
 }
 
+/**
+ * Planes of bytes, frame after frame, each kept less the one before it, modulo 256; `size` bytes a frame. They are large, and
+ * only the caller has them.
+ */
+export async function frames(number, size) {
+  const bytes = await inflated(number);
+  for (let i = size; i < bytes.length; ++i) bytes[i] += bytes[i - size];
+  return bytes;
+}
+
 /** The number of each byte in a table of 256. Float32Array.from() with a function takes many times as long as the loop. */
 function lookedUp(bytes, table) {
   const numbers = new Float32Array(bytes.length);

@@ -4,6 +4,7 @@ import { showAbout } from "./about.js";
 import { showComparer } from "./comparer.js";
 import { data, distinct, isOk, joined } from "./data.js";
 import { h, list, plural } from "./dom.js";
+import { showPlayer } from "./player.js";
 import { showPlots } from "./plots.js";
 import { showTable } from "./table.js";
 
@@ -32,8 +33,10 @@ function showTop(header) {
 showTop(document.getElementById("top"));
 const pictures = document.getElementById("pictures");
 const comparer = showComparer(pictures);
+const player = showPlayer(pictures);
 showTable(document.getElementById("table"), (row) => {
   comparer.open(row);
+  player.open(row);
   pictures.scrollIntoView({ behavior: matchMedia("(prefers-reduced-motion: reduce)").matches ? "auto" : "smooth" });
 });
 showPlots(document.getElementById("plots"));

@@ -8,15 +8,15 @@ const largest = 64; // CSS pixels of a picture's pixel, at most
 /**
  * `paint(context, view)` draws in screen pixels, view = {scale, x, y, width, height}: the picture's pixel (0, 0) is at x, y.
  * Calls `onpixel(pixel)` with the pixel {x, y} under the pointer, or null. A `tool` takes the drags of one pointer unless Shift
- * is held, and keys of its own (see LineTool).
+ * is held, and keys of its own (see LineTool). `name` is the class of its element.
  */
 export class Viewport {
-  constructor({ paint, onpixel, label }) {
+  constructor({ paint, onpixel, label, name = "viewport" }) {
     this.paint = paint;
     this.onpixel = onpixel;
     this.size = { width: 1, height: 1 };
     this.canvas = h("canvas", { tabindex: "0", role: "img", "aria-label": label });
-    this.element = h("div", { class: "viewport" }, this.canvas);
+    this.element = h("div", { class: name }, this.canvas);
     this.pointers = new Map();
     this.pixel = null;
     this.tool = null;
