@@ -69,8 +69,8 @@ class AreaRays final : public Technique {
   }
 
  private:
-  /// Asks the places of pixel i, sixteen at a time: `use(figure, squares, hits)`. Nothing of a pixel that does not face the
-  /// light.
+  /// Traces to the places of pixel i, sixteen at a time: `use(figure, squares, hits)`. Nothing of a pixel that does not face
+  /// the light.
   template <class Use>
   void ask(const GBuffer& gbuffer, std::size_t i, const Use& use) const {
     if (gbuffer.is_background(i) || !casters_->scene().meshes[gbuffer.mesh[i]].receives) return;

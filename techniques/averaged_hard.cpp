@@ -24,10 +24,10 @@ constexpr About about{
         "and as about n^-0.75 where they are spread evenly. It estimates the share of the light's area.",
     .fails =
         "A wide penumbra of few points shows as many edges as there are points. Memory and relight grow with their number. "
-        "Casters within a sphere of light hide points of its surface; other techniques ask the disc that is seen of it.",
+        "Casters within a sphere of light hide points of its surface; other techniques sample the disc that is seen of it.",
     .needs_gl = true,
     .floor = Floor::copy,                // many hard techniques draw
-    .handles = with_gray_transmission};  // of these what the hard technique handles: `supports` asks it
+    .handles = with_gray_transmission};  // of these what the hard technique handles: see `supports`
 
 constexpr double MiB = 1 << 20;
 
@@ -43,10 +43,10 @@ std::string cannot_be_averaged(const TechniqueEntry& entry) {
 // setup and build make where it can share that (Technique::for_another_light); else each has a setup, a build and updates of
 // its own. An object for a further light with area holds points of its own, which share with the first object's.
 class AveragedHard final : public Technique {
-  InnerTechnique of =
-      InnerTechnique(this, "of", "svbsp", Stage::setup,
-                     "The hard technique, one of those that know lights without area; its own parameters follow, as of.NAME.",
-                     cannot_be_averaged);
+  InnerTechnique of = InnerTechnique(
+      this, "of", "svbsp", Stage::setup,
+      "The hard technique, one of those that support lights without area; its own parameters follow, as of.NAME.",
+      cannot_be_averaged);
   Number<int> samples{
       this, "samples", 8, {"point", 1, 1024, true}, Stage::relight, "Points of the light that a pixel averages."};
   Choice pattern =

@@ -44,7 +44,7 @@ void fill(Buffer& buffer, const std::vector<Data>& data) {
 
 class CompositePlanar final : public Technique {
   Choice form = Choice(this, "form", "exact", {"printed", "paper", "exact"}, Stage::relight,
-                       "The paper's equations as they stand; as they are meant; conic sections and tangents.");
+                       "The paper's equations as printed; as they are meant; conic sections and tangents.");
   Number<double> min_share =
       Number<double>(this, "min_share", 0.01, {.min = 0.001, .max = 1, .log = true}, Stage::build,
                      "Least share of the receiving area, curved shapes left out, that makes coplanar faces a receiver plane.");

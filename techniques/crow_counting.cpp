@@ -23,7 +23,7 @@ constexpr About about{
         "None on the float32 points that it is given: a crossing that double cannot decide is decided by exact signs. A way "
         "through the border of a side quad is counted anew from a start beside the eye. A point on such a border, whose way "
         "to the light goes exactly through an edge, is dark. Of a closed body only the half that faces the light counts, and "
-        "the other half is asked about points close to an edge alone: a point that rounding put through its own triangle and "
+        "the other half is counted at points close to an edge alone: a point that rounding put through its own triangle and "
         "out of the body behind it may be lit where it is 64 times as far from the edges of that triangle as it is behind "
         "it. A triangle with an alpha mask or of glass has a volume of its own: a point in it is dark where the texel on its "
         "way to the light is solid, and gets the product of what all glass on its way lets through, which is exact, too. "

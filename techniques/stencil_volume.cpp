@@ -330,7 +330,7 @@ class StencilVolume final : public VolumeTechnique {
     std::uint64_t number = 0;             // of the geometry: 1 more with each update, 2 more with each build
   };
   Shared<Own> own_;
-  mutable std::vector<GroupFaces> glass_;  // as own_->glass; ask `glass_silhouette`
+  mutable std::vector<GroupFaces> glass_;  // as own_->glass; read by `glass_silhouette`
   std::uint64_t number_ = 0;               // of the geometry of the last relight
   WantedFaces wanted_;                     // of the last relight
   std::int64_t depth_bound_ = 0;

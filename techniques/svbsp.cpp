@@ -30,7 +30,7 @@ constexpr About about{
         "None but for epsilon, 1e-10 of the casters' extent, and from a point light farther away than 28,000 of that 2^-48 "
         "of its coordinates: within it double decides, and everything counts as on a plane; whether the point lies beyond "
         "the polygon nearest to the light is decided exactly. A point that rounding put behind its own triangle is lit where "
-        "that one, or another in its plane, is nearest to the light: a cell knows the nearest polygon alone, and not what "
+        "that one, or another in its plane, is nearest to the light: a cell holds the nearest polygon alone, and not what "
         "lies between it and the point. Tessellation on curved shapes. Edges of holes are rounded to float32 where masks are "
         "cut.",
     .fails =

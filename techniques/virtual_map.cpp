@@ -19,18 +19,18 @@ using namespace gnomon::virtual_map;
 
 constexpr About about{
     .title = "Virtual shadow map",
-    .summary = "Pages of one huge depth image, drawn only where and as fine as the picture's pixels ask for.",
+    .summary = "Pages of one huge depth image, drawn only where and as fine as the picture's pixels need.",
     .source =
         "Lefohn, Sengupta and Owens 2007 (resolution-matched shadow maps); Fernando et al. 2001 (pages of levels); Dou et al. "
         "2014 (bias of the receiver's own plane)",
     .error =
         "Stair steps along shadow edges, as wide as a texel: 1/texels_per_pixel of a pixel's side or less, more where the "
-        "light sees a pixel over eight times as long as wide. Where more pages are asked for than there is room for, all "
+        "light sees a pixel over eight times as long as wide. Where more pages are needed than there is room for, all "
         "texels are 2^levels_raised times as wide. "
         "Holes are those of the mask with alpha=texel alone: mips and mips_kept filter alpha, and hashed is random "
         "where alpha is neither 0 nor 1. A texel holds no product: glass is taken for opaque or left out.",
     .fails =
-        "Pixels that ask for pages far apart: surfaces edge-on to the light, leaves and grass; a page is then drawn for a few "
+        "Pixels that need pages far apart: surfaces edge-on to the light, leaves and grass; a page is then drawn for a few "
         "pixels. All but the fit is work of resolve, paid for in every picture, also where only one caster moved since the one "
         "before: no page is kept.",
     .needs_gl = true,
@@ -47,12 +47,12 @@ class VirtualMap final : public Technique {
                           "Which of a pixel's sides counts, seen from the light: the shorter one (or an eighth of the longer "
                           "one, where that is more), or the geometric mean of both.");
   Choice page_size = Choice(this, "page_size", "128", {"64", "128", "256"}, Stage::setup,
-                            "Texels along a page's side: of larger pages more lies beside what is asked for, of smaller ones "
+                            "Texels along a page's side: of larger pages more lies beside what is needed, of smaller ones "
                             "there are more to draw.");
   Number<int> pages =
       Number<int>(this, "pages", 8192, {.unit = "page", .min = 6, .max = 32768, .log = true}, Stage::resolve,
                   "Room: of more pages than this all levels are raised until they fit, and levels_raised counts by how many. "
-                  "A page takes 64 KiB (16 KiB, 256 KiB) where page_size is 128 (64, 256); what is not asked for takes none.");
+                  "A page takes 64 KiB (16 KiB, 256 KiB) where page_size is 128 (64, 256); what is not needed takes none.");
   Number<double> depth_bias =
       Number<double>(this, "depth_bias", 2, {.unit = "texel", .min = 0, .max = 64}, Stage::resolve,
                      "What is added to the bias of the receiver's own plane, in world widths of a texel at the point.");

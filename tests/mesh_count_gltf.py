@@ -149,7 +149,7 @@ class Document:
             index = waiting.pop(0)
             children = item(self.nodes, index, "node").get("children", [])
             if index in seen:
-                raise ValueError(f"node {index} stands in its scene twice")
+                raise ValueError(f"node {index} is in its scene twice")
             seen.add(index)
             waiting += children
         return sorted(seen)

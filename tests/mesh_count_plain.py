@@ -96,7 +96,7 @@ def flat(positions, kind):
 
 
 def read_off_lines(lines, kind, size, vertex_count, face_count):
-    """A line for each vertex and face; what stands behind is colors and the like."""
+    """A line for each vertex and face; what follows is colors and the like."""
     positions = [[number(word) for word in (*words[:size], *[b"x"] * (size - len(words)))] for words in lines[:vertex_count]]
     counts, corners = [], []
     for place in range(face_count):

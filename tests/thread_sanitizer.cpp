@@ -1,6 +1,6 @@
 // Tells the thread sanitizer what happens before what in TBB, which is built without it: who hands over a task had its say
-// before the task begins, and what tasks did is done when the wait for them returns. These functions stand before those of the
-// library, which they call. Only linked where the sanitizer is on.
+// before the task begins, and what tasks did is done when the wait for them returns. These functions take the place of those of
+// the library, which they call. Only linked where the sanitizer is on.
 #include <dlfcn.h>
 #include <sanitizer/tsan_interface.h>
 #include <tbb/task_group.h>

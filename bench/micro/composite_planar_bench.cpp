@@ -2,9 +2,9 @@
 //
 // resolve            Beside one full-screen pass that fetches the same textures, tests which pixels face the light and writes
 //                    the same target; both by turns in one run, `ratio` is the ratio of their medians. `few`: the shadows of
-//                    16 shapes cover the share `dark` of the picture. Wanted: at most 1.3 where that is a fifth at most.
-//                    `all`: each of 1, 4, 16 shapes covers all of it. Wanted: at most 4.
-// relight            `per_shape`: seconds for each of 16, 64, 256 shapes over one plane. Wanted: at most 2 microseconds.
+//                    16 shapes cover the share `dark` of the picture. Target: at most 1.3 where that is a fifth at most.
+//                    `all`: each of 1, 4, 16 shapes covers all of it. Target: at most 4.
+// relight            `per_shape`: seconds for each of 16, 64, 256 shapes over one plane. Target: at most 2 microseconds.
 // characteristic     The points that determine a shape's shadow by the paper's equations (contender) beside the projection of
 //                    all vertices of its tessellation (floor), as dearly as that is done: 1 / `ratio` is what the paper saves.
 #include <benchmark/benchmark.h>

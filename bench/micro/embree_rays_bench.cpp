@@ -1,6 +1,6 @@
 // What embree_rays adds to Embree: its resolve beside a bare loop of the same packed rays with the same filter, on the same
 // number of threads. Both alternate inside one run, so that a busy machine slows both; `ratio` is the ratio of the medians.
-// Wanted: resolve reaches at least 0.85 of the bare loop's throughput.
+// Target: resolve reaches at least 0.85 of the bare loop's throughput.
 //
 // The bare loop finds its packets filled (fill_packet, before the clock starts). rtcOccluded16 overwrites tfar, so the bare
 // loop stores 16 constants into each packet before it traces it: 64 of 768 bytes, charged to it. It leaves its answers in tfar;

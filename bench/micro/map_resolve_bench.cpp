@@ -1,7 +1,7 @@
 // Resolve of maps (contender) beside another technique (floor) in the same picture; `ratio` is the ratio of their medians.
 //
 // filtered_map  Maps that are filtered before they are read, beside shadow_map with 5 x 5 comparisons at the same resolution:
-//               one look-up of means has to be no slower than twenty-five. Wanted: at most 1.
+//               one look-up of means has to be no slower than twenty-five. Target: at most 1.
 // soft_map      Maps for lights with area, beside rays to as many places as a filter has taps.
 // view_map      Maps that are drawn for the picture, beside shadow_map:fit=view at as many texels: what slices and warps cost
 //               over one image that is fitted and drawn as well.

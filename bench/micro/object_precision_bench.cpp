@@ -1,12 +1,13 @@
 // What object precision costs, and beside what. All but `resolve` run on two threads; each line ends in what it measured.
 //
 // stages   Build, relight and resolve of every way of the family on the bunny's scene, and what they hold.
-// facing   Relight where the casters are the triangles of a mesh that face the light, over one ground square. Wanted of
+// facing   Relight where the casters are the triangles of a mesh that face the light, over one ground square. Target for
 //          svbsp: at most 80 ms for the bunny, and for the dragon 1200 ms and 1536 MiB.
-// soup     N triangles of size 3 / sqrt(N) over a ground. Wanted of svbsp: build and relight of N = 512,000 in at most 1000 ms,
+// soup     N triangles of size 3 / sqrt(N) over a ground. Target for svbsp: build and relight of N = 512,000 in at most 1000
+// ms,
 //          and an exponent of relight over N of at most 1.1: the slope of log time over log N, least squares.
 // resolve  Point locations on one thread, on the bunny's scene, beside a floor: a bare loop that reads the G-buffer, tests
-//          which pixels face the light, and writes the mask. Wanted: at least 5 million a second; embree_rays is timed, too.
+//          which pixels face the light, and writes the mask. Target: at least 5 million a second; embree_rays is timed, too.
 #include <benchmark/benchmark.h>
 #include <gnomon/kit/geometry/exact.h>
 #include <tbb/global_control.h>

@@ -1,5 +1,5 @@
 // What the reference under lights with area adds to Embree: sample_shares beside a bare loop of the same packed rays with the
-// same filter, on the same number of threads, by turns. Wanted: at least 0.8 of the bare loop's rays a second. Then what a
+// same filter, on the same number of threads, by turns. Target: at least 0.8 of the bare loop's rays a second. Then what a
 // whole picture takes: the reference, read back from the cache, and the exact shares of every pixel.
 //
 // The contender draws places, sorts them, makes packets, traces them and adds up what they find. The bare loop finds its

@@ -1,12 +1,12 @@
 // What stencil_volume costs beside the least that its stages must do. Contender and floor alternate inside one run; `ratio` is
 // the ratio of their medians.
 //
-// adjacency     EdgeAdjacency of a scan, beside reading the corners of every triangle once. Wanted: at most 500 ms.
+// adjacency     EdgeAdjacency of a scan, beside reading the corners of every triangle once. Target: at most 500 ms.
 // relight       The outline and both caps, found and uploaded, beside a copy that reads and writes as many bytes as the stage
-//               must. Wanted: at most 15 ms for the dragon.
+//               must. Target: at most 15 ms for the dragon.
 // resolve       Beside a bare draw of the same triangles, whose corners lie in a buffer already: the same order, stencil
 //               state, depth, size and ends, one draw for each kind of face, and a pass that writes a constant where the
-//               stencil is not zero, with position and normal fetched. Wanted: a ratio of at most 1.3.
+//               stencil is not zero, with position and normal fetched. Target: a ratio of at most 1.3.
 // per_triangle  Side quads of every triangle (contender) beside those of the outline (floor), both by resolve.
 //
 // Adjacency and relight run on two threads.

@@ -1,7 +1,7 @@
 // What an update saves: update and relight beside build and relight at the same pose, by turns, one object each.
 //
-// part     A ball of 32,760 triangles stands still and one of 528 moves, one of 63. Wanted of embree_rays: at most 0.15.
-// still    Nothing moved: update(no changes) and relight. Wanted: at most 0.02, or 0.05 ms.
+// part     A ball of 32,760 triangles stands still and one of 528 moves, one of 63. Target for embree_rays: at most 0.15.
+// still    Nothing moved: update(no changes) and relight. Target: at most 0.02, or 0.05 ms.
 // swarm    32,768 triangles that each go their own way, frame by frame, so that trees are built anew now and then.
 //
 // `ratio` is the ratio of the medians, of which a build now and then is no part; `mean_ms` of swarm has it.

@@ -280,7 +280,7 @@ void require_word(std::string_view lead, std::string_view word, std::span<const 
 }
 
 std::string how_to_sweep(std::string_view parameter) {
-  return fmt::format("a sweep is asked for with ID:{}={{A,B,C}} as scene or technique of a run", parameter);
+  return fmt::format("request a sweep with ID:{}={{A,B,C}} as scene or technique of a run", parameter);
 }
 
 std::vector<Record> matching(std::vector<Record> records, const std::string& expression) {

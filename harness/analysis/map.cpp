@@ -151,7 +151,7 @@ void require_different_axes(const MapOptions& options) {
   for (const auto& [first, parameter] : axes)
     for (const auto& [second, again] : axes)
       if (first != second && !parameter.empty() && parameter == again)
-        throw Error("{} and {} are both {}; each wants a parameter of its own", first, second, parameter);
+        throw Error("{} and {} are both {}; each needs a parameter of its own", first, second, parameter);
 }
 
 /// Enters a row. A scene or light that is an axis is no part of the place that a mean is taken over.

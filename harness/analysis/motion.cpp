@@ -60,7 +60,7 @@ std::vector<PathErrors> find_motion(std::span<const Record> records, const std::
     for (const std::string& metric : over_time) row.over_time.push_back(r.metric(metric));
     rows.push_back(row);
   }
-  if (rows.empty()) throw Error("no row of these records follows a path; a suite asks for it with paths = [...] in a group");
+  if (rows.empty()) throw Error("no row of these records follows a path; a suite requests it with paths = [...] in a group");
   require_word("no frame has", error, std::vector<std::string>(metrics.begin(), metrics.end()));
   return rows;
 }

@@ -56,7 +56,7 @@ void add_worker(Program& program) {
     server.option("threads", &options.threads, "", {.is_required = true});
   };
   add_server("worker", "Serve one technique to the program that started this", worker_main);
-  add_server("check-rule", "Ask a technique one rule for the program that started this", conformance::rule_child_main);
+  add_server("check-rule", "Check one rule on a technique for the program that started this", conformance::rule_child_main);
 
   auto [mesh, to_import] = program.line.command<ImportOptions>(
       "import-mesh", "Read a mesh file for the program that started this",

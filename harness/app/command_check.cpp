@@ -55,7 +55,7 @@ int check(const CheckOptions& options, const Program& program) {
 
 void add_check(Program& program) {
   auto [command, options] =
-      program.line.command<CheckOptions>("check", "Ask a technique the rules that every technique must keep",
+      program.line.command<CheckOptions>("check", "Check a technique against the rules that every technique must keep",
                                          [&program](const CheckOptions& read) { return check(read, program); });
   command.option("technique", &options.technique, "Technique id", {.is_required = true});
   command.option("--rule", &options.rules, "Only these rules; `gnomon list rules` has them");

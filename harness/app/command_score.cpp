@@ -324,7 +324,7 @@ void add_score(Program& program) {
                  {.is_required = true, .check = not_empty()});
   command.option("--light", &options.lights, "Light names; by default every light of which the mask has a channel LIGHT.V",
                  {.delimiter = ','});
-  command.option("--channel", &options.channel, "Channel of the one light asked for", {.check = not_empty()});
+  command.option("--channel", &options.channel, "Channel of the one light requested", {.check = not_empty()});
   command.option("--view", &options.view, "View name; the first by default", {.check = not_empty()});
   command.option("--truth", &options.truth, "What counts: exact shapes or the meshes; shape | mesh");
   command.option("--label", &options.label, "Makes a row of each light's mask, which tables call so, in the run's folder --out",

@@ -79,7 +79,7 @@ struct PageOptions {
 void make_page(const PageOptions& options) {
   const std::filesystem::path out =
       options.out.empty() ? std::filesystem::path(options.dir) / "report.html" : std::filesystem::path(options.out);
-  if (std::filesystem::is_directory(out)) throw Error("--out {} is a folder; the name of a file is wanted", out.string());
+  if (std::filesystem::is_directory(out)) throw Error("--out {} is a folder; the name of a file is required", out.string());
   const std::vector<Record> records = read_records(options.dir);
   const Report report = make_report(options.dir, records, !options.without_pictures, options.with_all_frames);
   write_file(replaced_file(out), report.html);

@@ -11,7 +11,7 @@ namespace {
 
 constexpr const char* picture_words[] = {"all", "masks", "none"};  // in the order of Suite::Pictures
 
-/// The animation of the stills that the options ask for; empty: the first of each scene, or the suite's.
+/// The animation of the stills that the options request; empty: the first of each scene, or the suite's.
 std::string animation_of_stills(const SuiteOptions& options) {
   if (options.times.empty()) return {};
   if (options.animations.size() > 1)
@@ -112,7 +112,7 @@ Suite make_suite(const SuiteOptions& options, const std::string& command) {
   if (options.interval) suite.interval = *options.interval;
   if (options.budget) suite.budget = *options.budget;
   if (options.budget && suite.interval == 0)
-    throw Error("--budget = {} is for the processes that --interval asks for: give that too, or neither", *options.budget);
+    throw Error("--budget = {} is for the processes that --interval requests: give that too, or neither", *options.budget);
   return suite;
 }
 

@@ -108,7 +108,7 @@ class Awaited:
         except FileNotFoundError:
             raise RuntimeError(f"no {self.path.name} was written") from None
         if written < self.asked - _CLOCK_STEP:
-            raise RuntimeError(f"{self.path.name} is {(self.asked - written) / 1e9:.1f} s older than what was asked for")
+            raise RuntimeError(f"{self.path.name} is {(self.asked - written) / 1e9:.1f} s older than the request")
         return self.path
 
     def array(self, kind, height, width):

@@ -42,7 +42,7 @@ std::string example(const TechniqueEntry& entry) {
   return fmt::format("gnomon run --scene SCENE --technique {}{}\n", entry.id, settings);
 }
 
-/// Whether it supports a light with area over nothing at all. A program is not asked: it may be absent.
+/// Whether it supports a light with area over nothing at all. A program is not started: it may be absent.
 bool answers_area(const TechniqueEntry& entry) {
   const Light light{.name = "light", .kind = RectLight{}};
   if (!entry.about.lights.empty()) return std::ranges::find(entry.about.lights, kind_name(light)) != entry.about.lights.end();
@@ -62,7 +62,7 @@ std::string contents(const fs::path& file) {
   return text.str();
 }
 
-/// Generated pages in the folder that no technique asks for.
+/// Generated pages in the folder that are of no technique.
 std::vector<std::string> abandoned(const fs::path& dir, const std::map<std::string, std::string>& wanted) {
   std::vector<std::string> names;
   if (!fs::is_directory(dir)) return names;

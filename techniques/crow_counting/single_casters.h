@@ -9,7 +9,7 @@ namespace gnomon::crow_counting {
 
 /// The work of questions to single casters, and what they find.
 struct SingleWork {
-  std::uint64_t points = 0, tests = 0;  ///< asked; triangles met by the boxes around them
+  std::uint64_t points = 0, tests = 0;  ///< tested; triangles met by the boxes around them
   Crossings glass;                      ///< of the last question
   SingleWork& operator+=(const SingleWork& other) { return add_up(*this, other, &SingleWork::points, &SingleWork::tests); }
 };

@@ -135,7 +135,7 @@ class Cycles(Technique):
                                 samples=1 if self.is_hard else self.settings.samples, seed=self.settings.seed)
         pixels = np.load(picture.taken()).astype(float)
         if pixels.shape != (gbuffer.height, gbuffer.width):
-            raise RuntimeError(f"Blender's picture has the shape {pixels.shape}; {(gbuffer.height, gbuffer.width)} is wanted")
+            raise RuntimeError(f"Blender's picture has the shape {pixels.shape}; {(gbuffer.height, gbuffer.width)} is required")
         return pixels, done["trace_ms"], done["sync_ms"]
 
     def resolve(self, gbuffer, mask):

@@ -19,7 +19,7 @@ class OpenSceneGraphShadows(Engine):
 
     def supports(self, scene, light, view):
         if self.settings.shadows == "parallel_split" and light.kind != "directional":
-            return "unsupported", f"ParallelSplitShadowMap knows no {light.kind} lights; it knows directional"
+            return "unsupported", f"ParallelSplitShadowMap supports no {light.kind} lights; it supports directional"
         why = ["frames of an engine: its own primary visibility"]
         if light.kind == "point":
             why.append("one frustum from the light, beyond which all is lit or in a mirrored shadow")

@@ -65,7 +65,7 @@ def light_source(light, corners, grid=1, shadows=True):
         area = f"area_light {', '.join(sides)}, {grid}, {grid} area_illumination on " if grid > 1 else ""
         return f"light_source {{ {place(light['center'])}{end}{area}}}\n"
     if light["kind"] != "directional":
-        raise ValueError(f"light {light['name']} is a {light['kind']} light; one of point, spot, directional, rect is wanted")
+        raise ValueError(f"light {light['name']} is a {light['kind']} light; one of point, spot, directional, rect is required")
     low, high = corners.min((0, 1)), corners.max((0, 1))  # it shines from its plane on, which must lie outside the scene
     way = numbers(light["direction"])
     middle, far = (low + high) / 2, 10 * np.linalg.norm(high - low) / np.linalg.norm(way)

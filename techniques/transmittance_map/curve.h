@@ -40,8 +40,8 @@ class CurveMaker {
  public:
   explicit CurveMaker(const Keep& keep) : keep_(keep) {}
 
-  /// The nodes in the order of their depths; valid until the next call. Sorts the surfaces: in which order they come is of no
-  /// account. No nodes where nothing takes light away.
+  /// The nodes in the order of their depths; valid until the next call. Sorts the surfaces: the order in which they come does
+  /// not matter. No nodes where nothing takes light away.
   std::span<const Node> make(std::span<Surface> surfaces) {
     step(surfaces);
     if (keep_.kind == Keep::Kind::error) draw_lines();

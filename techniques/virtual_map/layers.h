@@ -12,7 +12,7 @@ namespace gnomon::virtual_map {
 inline constexpr glm::dvec3 level_colors[] = {{0.55, 0.02, 0.03}, {0.90, 0.25, 0.02}, {0.93, 0.70, 0.08}, {0.35, 0.65, 0.06},
                                               {0.03, 0.32, 0.09}, {0.05, 0.55, 0.50}, {0.15, 0.50, 0.90}, {0.06, 0.10, 0.60},
                                               {0.30, 0.07, 0.58}, {0.72, 0.20, 0.72}, {0.80, 0.45, 0.45}, {0.60, 0.60, 0.60}};
-inline const Swatch nothing_asked{"nothing asked for", {0.045, 0.05, 0.06}};
+inline const Swatch nothing_asked{"nothing requested", {0.045, 0.05, 0.06}};
 
 /// Texels along a side of the image that `paint_map` puts pages into.
 inline constexpr int sheet_level = 7, sheet_side = finest_side >> sheet_level;

@@ -124,7 +124,7 @@ void main() {
   float grow = float(1 << level);
   position /= grow;
   width *= grow;
-  // Its page is the one that was asked for, whatever rounding says here.
+  // Its page is the one that was requested, whatever rounding says here.
   ivec2 page = ivec2(address & 2047u, address >> 11 & 2047u) >> (level - asked);
   ivec2 texel = clamp(ivec2(position) - page * PAGE, 0, PAGE - 1);
   ivec2 slot = ivec2(place & 255u, place >> 8 & 255u);

@@ -1,5 +1,5 @@
 #!/usr/bin/python3 -IB
-"""check: the rules of conformance, asked of a technique from outside, one process each."""
+"""check: the rules of conformance, checked on a technique from outside, one process each."""
 
 import json
 import sys

@@ -42,7 +42,7 @@ class Convert(ProgramTest):
                 self.assertEqual(old[key], new[key], key)
             light, = new["lights"]
             self.assertEqual((light["name"], light["kind"], light["answer"], new["answer"]), (old["light"], old["light_kind"], "binary", "binary"))
-            self.assertEqual(list(light), ["name", "kind", "answer", "support", "reason", "reference"], "the rest stands in the record")
+            self.assertEqual(list(light), ["name", "kind", "answer", "support", "reason", "reference"], "the rest is in the record")
         text = self.succeed("table", folder)
         self.assertIn("sphere_over_plane", text)
         self.convert(folder)

@@ -16,7 +16,7 @@ ROWS = [*HARD, "--scene", "single_triangle", "--technique", "unshadowed", "--tec
 class Estimate(ProgramTest):
     def setUp(self):
         super().setUp()
-        # Scenes and suites as they are, and no results: a machine that knows nothing.
+        # Scenes and suites as they are, and no results: a machine without rates.
         self.root = self.dir / "root"
         (self.root / "bench").mkdir(parents=True)
         (self.root / "scenes").symlink_to(ROOT / "scenes")
@@ -98,7 +98,7 @@ class Retry(ProgramTest):
         (self.dir / "out/records.jsonl").write_text("".join(json.dumps(row) + "\n" for row in failed))
         self.assertIn("4 were done before", self.succeed("run", *ROWS, *NUMBERS, "--resume", "--out", "out", status=1))
         self.assertEqual(records(self.dir / "out"), failed)
-        # Only the rows that are asked for; the others stay failed.
+        # Only the rows that are requested; the others stay failed.
         text = self.succeed("run", *ROWS, *NUMBERS, "--filter", "sun", "--resume", "--retry-failed", "--out", "out", status=1)
         self.assertIn("2 rows: 2 ok, 0 unsupported, 0 failed", text)
         rows = records(self.dir / "out")
@@ -109,7 +109,7 @@ class Retry(ProgramTest):
         rows = records(self.dir / "out")
         self.assertEqual((len(rows), {r["status"] for r in rows}), (4, {"ok"}))
         self.assertEqual({r["job"]: r for r in rows if r["job"] in done}, done)  # these were not run again
-        # Rows of the table stand in the order of the suite, not in that in which they came to pass.
+        # Rows of the table are in the order of the suite, not in that in which they came to pass.
         table = json.loads(self.succeed("table", "out", "--format", "json"))
         self.assertEqual([r["job"] for r in table["rows"]], [r["job"] for r in failed])
 

@@ -83,7 +83,7 @@ class Independence(ProgramTest):
 
         with self.subTest("alone"):
             # So many shards that each row is one by itself. What is unsupported runs nothing that others could have left anything to:
-            # it is asked with the shards below. Their pictures are compared there, too: here it is a hundred programs that would load
+            # it is compared with the shards below. Their pictures are compared there, too: here it is a hundred programs that would load
             # what writes them.
             ran = [job for job, row in whole.items() if row["status"] == "ok"]
             numbers = {job: int(job[:8], 16) for job in whole}

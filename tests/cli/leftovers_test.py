@@ -134,7 +134,7 @@ techniques = ["embree_rays", { use = "shadow_map:resolution=64", label = "'quote
         (self.dir / "run/masks").symlink_to(self.run_folder / "masks")
         self.refuse("merge", "run", "--out", "merged", says=["link", "merge takes the files of a folder only"])
         self.assertEqual(sorted(p.name for p in self.dir.iterdir()), ["run", "secret"])
-        (self.dir / "linked").symlink_to(self.run_folder)  # a link that is named is what was asked for
+        (self.dir / "linked").symlink_to(self.run_folder)  # a link that is named is what was meant
         self.succeed("merge", "linked", "--out", "merged")
 
     # Names
@@ -178,7 +178,7 @@ techniques = ["embree_rays", { use = "shadow_map:resolution=64", label = "'quote
         few = {"preexec_fn": lambda: resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))}
         done = self.gnomon("certify", "--scene", "single_triangle", "--size", "16384x16384", **few)
         self.assertEqual((done.returncode, done.stdout), (1, ""))
-        self.assertRegex(done.stderr.splitlines()[-1], "^gnomon: .*(out of|not enough) memory")  # what took long may stand before
+        self.assertRegex(done.stderr.splitlines()[-1], "^gnomon: .*(out of|not enough) memory")  # what took long may come before
         done = self.gnomon("run", *ANY, "--size", "16384x16384", "--processes", "1", "--repetitions", "1", "--out", "out", **few)
         self.assertEqual(done.returncode, 1, done.stderr)
         self.assertNotIn("bad_alloc", done.stdout + done.stderr)

@@ -1,5 +1,5 @@
 #!/usr/bin/python3 -IB
-"""Rows of several lights together: asked for, measured, resumed, rescored, in tables, and what is refused."""
+"""Rows of several lights together: requested, measured, resumed, rescored, in tables, and what is refused."""
 
 import json
 import sys

@@ -56,7 +56,7 @@ LEFT_OUT = (
 )
 
 
-# --- the snapping floor and the surfaces on a way, which ask the scene itself -----------------------------------------------
+# --- the snapping floor and the surfaces on a way, which need the scene itself -----------------------------------------------
 
 
 @dataclass

@@ -95,7 +95,7 @@ class Motion(ProgramTest):
             call = self.follow(moves, positions, frames=7 if 0.2 in positions[0] else 5)
             self.refuse(*call, says=["scene scene.toml", *says])
             self.assertFalse((self.dir / "out").exists())
-        # What a path does to lights that are not asked for is nobody's business.
+        # What a path does to lights that are not requested has no effect.
         self.succeed(*self.follow("light", [[0, -1, 0], [0, 3, 0]], "--light", "lamp", "--dry-run"))
 
     def test_a_mean_over_some_of_the_frames_is_none(self):

@@ -64,7 +64,7 @@ class Outside(ProgramTest):
                 self.assertIn(says, reasons["unruly"], (place, deed))
         self.misbehave("constructor", "abort")
         self.assertIn("crashed in describe", self.succeed("--plugin", UNRULY, "describe", "unruly"))
-        self.succeed("--plugin", UNRULY, "describe", "averaged_hard")  # whose parameter asks what all techniques know
+        self.succeed("--plugin", UNRULY, "describe", "averaged_hard")  # whose parameter calls supports() of all techniques
 
     def test_what_hangs_is_given_up(self):
         """Both take the harness's patience, and so are tried at the same time."""

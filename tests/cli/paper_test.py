@@ -131,7 +131,7 @@ class Paper(ProgramTest):
             for number, line in enumerate((run / "records.jsonl").read_text().splitlines(), 1):
                 with self.subTest(f"{run.name}, line {number}"):
                     check.validate(json.loads(line))
-        # A field that the schema does not know is an error: whoever adds one writes it down.
+        # A field that the schema does not have is an error: whoever adds one writes it down.
         row = json.loads((self.small / "records.jsonl").read_text().splitlines()[0])
         self.assertFalse(check.is_valid({**row, "new_field": 1}))
         of_paths = {"start", "frame_rate", "moving_stages", "kept_frames"}  # of rows that move

@@ -1,5 +1,5 @@
 #!/usr/bin/python3 -IB
-"""Plugins: several at once, wherever they stand in the command, and what records and resumed runs know of them."""
+"""Plugins: several at once, wherever they are in the command, and what records and resumed runs hold of them."""
 
 import json
 import shutil

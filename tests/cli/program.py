@@ -149,7 +149,7 @@ def measured(record):
 
 
 def wait_until(is_so, what, seconds=PATIENCE):
-    """Asks again and again until it is so, and gives the answer."""
+    """Calls again and again until it is so, and returns the answer."""
     end = time.monotonic() + seconds
     while not (answer := is_so()):
         if time.monotonic() > end:
@@ -159,7 +159,7 @@ def wait_until(is_so, what, seconds=PATIENCE):
 
 
 def workers(marker, keepers=False):
-    """Processes that live now and have `marker` in their environment or command line; those that keep them only where asked for."""
+    """Processes that live now and have `marker` in their environment or command line; those that keep them only where requested."""
     found = []
     for folder in Path("/proc").iterdir():
         if not folder.name.isdigit() or int(folder.name) == os.getpid():

@@ -112,7 +112,7 @@ sentence = "Whether."
                           ("unshadowed", "ok", {})])
         for key in ("metrics", "classes", "causes"):
             self.assertEqual(rows[0][key], rows[2][key], key)
-        # Its own clock counts, the harness's stands beside it; a stage that it is not told of takes no time.
+        # Its own clock counts, the harness's is beside it; a stage that it is not told of takes no time.
         self.assertEqual(rows[0]["stages"]["resolve"], [[0.0]])
         self.assertGreater(rows[0]["harness_stages"]["resolve"][0][0], 0)
         self.assertEqual(rows[0]["stages"]["relight"], [[0.0]])

@@ -50,7 +50,7 @@ class Render(ProgramTest):
         for name in ("mask", "mask_sun", "shaded", "shaded_sun"):
             self.assertEqual(png_size(out / f"{name}.png"), (160, 90))
         self.assertEqual(png_size(out / "error.png")[0], 160)
-        self.assertGreater(png_size(out / "error.png")[1], 90)  # a legend stands below the picture
+        self.assertGreater(png_size(out / "error.png")[1], 90)  # a legend is below the picture
         self.assertIn("mask.exr", text)
         point, sun = json.loads((out / "record.json").read_text())
         self.assertEqual((point["light"], sun["light"]), ("point", "sun"))

@@ -1,5 +1,5 @@
 #!/usr/bin/python3 -IB
-"""--resume: one run at a time in a folder, and only rows that may stand in one table."""
+"""--resume: one run at a time in a folder, and only rows that may be in one table."""
 
 import json
 import re
@@ -143,7 +143,7 @@ class Resume(ProgramTest):
         run = ["run", self.write("mine.toml", SUITE.format('["contact"]')), "--out", "out", "--resume"]
         self.succeed(*run)
         self.write("mine.toml", SUITE.format('["single_triangle", "contact"]'))
-        text = self.succeed(*run, "--filter", "unshadowed")  # also of rows that are not asked for now
+        text = self.succeed(*run, "--filter", "unshadowed")  # also of rows that are not requested now
         self.assertIn("1 were done before", text)
         rows = {(row["scene"], row["technique"]): row["place"] for row in records(self.dir / "out")}
         self.assertEqual(rows, {("single_triangle", "unshadowed"): 0, ("contact", "unshadowed"): 2, ("contact", "embree_rays"): 3})

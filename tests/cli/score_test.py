@@ -191,7 +191,7 @@ class Rows(ProgramTest):
         self.succeed("compare", "out", "out")
         self.succeed("merge", "out", "--out", "merged")
         self.assertEqual(len(records(self.dir / "merged")), 6)
-        # A run goes on and keeps the row; another question is asked beside it.
+        # A run goes on and keeps the row; another question becomes a row beside it.
         text = self.succeed(*self.RUN, "--technique", "unshadowed", "--resume")
         self.assertIn("2 ok", text)
         self.assertNotIn("are not in suite", text)

@@ -142,7 +142,7 @@ class Parallel(ProgramTest):
 
 
 # What the script needs of Slurm, without its daemons: sbatch runs the tasks of the array one after the other, squeue shows them, does
-# not answer once, and no longer knows the job when all are done. scripts/check_slurm is the same with the real one.
+# not answer once, and no longer has the job when all are done. scripts/check_slurm is the same with the real one.
 SBATCH = """#!/bin/bash
 echo "$@" >"$FAKE/submitted"
 script=${!#}

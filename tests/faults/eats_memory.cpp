@@ -1,4 +1,4 @@
-// Eats memory: asks for blocks of 1 GiB in resolve until there are none. It never touches them, so they cost the machine
+// Eats memory: requests blocks of 1 GiB in resolve until there are none. It never touches them, so they cost the machine
 // nothing but a promise, of which a worker has a limited number.
 #include <memory>
 #include <vector>
@@ -22,7 +22,7 @@ class EatsMemory final : public Harmless {
 
 GNOMON_TECHNIQUE(eats_memory, EatsMemory,
                  {.title = "Eats memory",
-                  .summary = "Asks for memory in resolve until there is none.",
+                  .summary = "Requests memory in resolve until there is none.",
                   .source = "none",
                   .error = "It is the error.",
                   .fails = "Always."})

@@ -1,4 +1,5 @@
-// Picky: takes a light at the right of the middle, and says so only when it is asked. What is asked once is asked too seldom.
+// Picky: takes a light at the right of the middle, and says so only in supports(). One call for all lights of a path is too
+// few.
 #include "faults/harmless.h"
 
 namespace {

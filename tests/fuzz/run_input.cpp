@@ -44,7 +44,7 @@ void check_words(const std::string& words) {
   if (words.empty()) throw Problem{"crash: an empty complaint"};
 }
 
-/// Shapes in many segments are what the input asks for: they may take what they need.
+/// Shapes in many segments are what the input requests: they may take what they need.
 bool asks_for_much(const std::string& bytes) {
   static const std::regex many("segments\\s*=\\s*\\+?[0-9_]{3,}");
   return bytes.find("segments") != bytes.npos && std::regex_search(bytes, many);

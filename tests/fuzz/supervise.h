@@ -6,7 +6,7 @@
 
 namespace fuzz {
 
-/// Input `n`, the same whenever it is asked for.
+/// Input `n`, the same at every call.
 struct Source {
   std::uint64_t count = UINT64_MAX;  ///< that many there are, or no end
   std::function<Input(std::uint64_t n)> make;

@@ -26,7 +26,7 @@ const axe = require("axe-core").source;
 /** A folder that goes with the test. */
 export const home = mkdtempSync(join(tmpdir(), "gnomon-report-"));
 
-/** Runs the program to its end and returns what it printed; {status, stdout, stderr} when `status` is wanted. */
+/** Runs the program to its end and returns what it printed; {status, stdout, stderr} when `status` is requested. */
 export function gnomon(args, { status = 0 } = {}) {
   const environment = { ...process.env, GNOMON_CACHE: join(home, "cache") };
   try {

@@ -1,4 +1,4 @@
-// Pictures of all light in the page: those of techniques that have one, and of the reference, where a run asked for them.
+// Pictures of all light in the page: those of techniques that have one, and of the reference, where a run requested them.
 
 import assert from "node:assert/strict";
 import { join } from "node:path";

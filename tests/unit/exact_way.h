@@ -1,6 +1,6 @@
 #pragma once
 // Whether casters block the way from a receiver's point to a place of a light, in rational numbers: for places in double, which
-// kit/geometry/exact.h does not take. Every triangle is asked.
+// kit/geometry/exact.h does not take. Every triangle is tested.
 #include <gmpxx.h>
 #include <gnomon/kit/geometry/receiver.h>
 

@@ -34,7 +34,7 @@ inline RowPose in_row(double seconds, const std::string& animation = "walk") {
   return {.animation = animation, .seconds = seconds, .start = 0, .frame_rate = 8, .frames = 9};
 }
 
-/// Moves the scene there, and asks others to come along.
+/// Moves the scene there, and has others come along.
 inline WantedPose moved_to(PosedScene& posed, const RowPose& at) {
   posed.go_to(at);
   return {at, posed.hash()};

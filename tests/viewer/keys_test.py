@@ -134,7 +134,7 @@ class Keys(ViewerTest):
             viewer.until(lambda saved: saved.picture == wanted, "the other side")
 
     def test_comma_and_period_step_through_the_techniques_and_tab_swaps_the_sides(self):
-        # One whose neighbors in the alphabet know point lights, too: what is unsupported has no mask to save.
+        # One whose neighbors in the alphabet support point lights, too: what is unsupported has no mask to save.
         ids = [entry["id"] for entry in json.loads(self.succeed("list", "techniques", "--json"))]
         viewer = self.view_scene("--technique", "stencil_volume", "--against", "unshadowed")
         viewer.press("period")

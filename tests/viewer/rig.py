@@ -1,6 +1,6 @@
 """The viewer as a person uses it: a display of its own, real key presses and mouse moves, and what came of them as the viewer saves it.
 
-Nothing here waits for a time: Ctrl+S saves when all is computed, and a state that is waited for is asked for again until it is there.
+Nothing here waits for a time: Ctrl+S saves when all is computed, and a state that is waited for is read again until it is there.
 """
 
 import contextlib
@@ -293,7 +293,7 @@ class Viewer:
         self.xdo("windowsize", "--sync", self.window, width, height)
 
     def ask_to_close(self):
-        """What a window manager sends when its button is pressed; xdotool does not know it."""
+        """What a window manager sends when its button is pressed; xdotool does not have it."""
         x = ctypes.CDLL("libX11.so.6")
         x.XOpenDisplay.restype = ctypes.c_void_p
         x.XInternAtom.restype = ctypes.c_ulong
@@ -339,7 +339,7 @@ class ViewerTest(ProgramTest):
             self.assertAlmostEqual(x, y, delta=tolerance, msg=f"{a} {b}")
 
     def assert_renders_alike(self, saved):
-        """The saved command, as it stands, gives the saved mask, pixel for pixel. The folder of what it rendered."""
+        """The saved command, unchanged, gives the saved mask, pixel for pixel. The folder of what it rendered."""
         tools = self.dir / "tools"
         if not tools.exists():
             tools.mkdir()

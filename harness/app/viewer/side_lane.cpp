@@ -212,7 +212,7 @@ void SideLane::go_to(const std::shared_ptr<const Frame>& frame) {
   });
 }
 
-/// Build and update stand in for each other: the one that was done last has a time.
+/// Build and update replace each other: the one that was done last has a time.
 void SideLane::note_time(Stage stage, double ms) {
   if (stage == Stage::build) stage_ms_[static_cast<int>(Stage::update)].reset();
   if (stage == Stage::update) stage_ms_[static_cast<int>(Stage::build)].reset();

@@ -30,15 +30,15 @@ struct Tap {
   double stored = 0;        ///< meters along `direction` to the stored surface; infinity when nothing is stored
 };
 
-/// One place of a light with area that was asked for a pixel.
+/// One place of a light with area that was sampled for a pixel.
 struct LightSample {
-  glm::dvec3 place{0};    ///< world space; of a sphere any point on the way to it that was asked
+  glm::dvec3 place{0};    ///< world space; of a sphere any point on the way to it that was sampled
   double weight = 1;      ///< weights of a pixel sum to 1
   double visibility = 1;  ///< what the technique found there: 1 seen, 0 hidden
 };
 
-/// Why a pixel got its answer. Techniques with light-space samples give taps, those that ask places of a light with area give
-/// samples; geometric ones the element that decided.
+/// Why a pixel got its answer. Techniques with light-space samples give taps, those that sample places of a light with area
+/// give samples; geometric ones the element that decided.
 struct Explanation {
   bool covered = true;  ///< false: outside the light frustum, cascade, receiver set or caster set
   std::vector<Tap> taps;

@@ -34,7 +34,7 @@ struct GBuffer {
 bool faces_light(const Scene& scene, const GBuffer& gbuffer, const Light& light, std::size_t i);
 
 /// A technique's answer: 1 lit, 0 umbra, between penumbra; cast shadows only. Pixels that do not face the light are 1.
-/// It lives in memory or in a GL texture, whichever the technique asked for last; texel (x,y) is pixel (x,y).
+/// It lives in memory or in a GL texture, whichever the technique requested last; texel (x,y) is pixel (x,y).
 class VisibilityMask {
  public:
   VisibilityMask(int width, int height);

@@ -167,7 +167,7 @@ class ObjectParameter : public Parameter {
       : Parameter(owner, name, "", spoils, sentence), id_(id), default_(id) {}
   ~ObjectParameter() override;
 
-  /// The present object, which holds the values of its rows. Made when it is first asked for.
+  /// The present object, which holds the values of its rows. Made at its first use.
   Parametrized& object() const { return *known().object; }
   std::span<const std::unique_ptr<Parameter>> inner() const { return known().rows; }
   std::string text() const override { return id_; }

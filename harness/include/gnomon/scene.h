@@ -151,7 +151,7 @@ struct Scene {
   std::vector<Mesh> meshes;
   std::vector<Light> lights;  ///< at least one, names unique
   std::vector<View> views;    ///< at least one, names unique
-  std::vector<Path> paths;    ///< motions for suites that ask for them; names unique
+  std::vector<Path> paths;    ///< motions for suites that request them; names unique
   /// How meshes move; null: they stand still. Positions are those of the rest pose, as the file has it.
   std::shared_ptr<const Motion> motion;
   std::uint64_t pose_number = 0;   ///< raised whenever positions change in place

@@ -106,7 +106,7 @@ struct About {
   std::span<const std::string_view> lights = {};  ///< kinds that a program supports; empty: `supports` tells
   /// How far a mask after updates may be from that after a build, mean over the tested pixels; 0: bit for bit.
   float update_error = 0;
-  bool named_only = false;  ///< not among what `*` stands for: an engine, which runs only where it is asked for by name
+  bool named_only = false;  ///< not among what `*` stands for: an engine, which runs only where it is named
 };
 
 class Technique;
@@ -122,12 +122,12 @@ inline constexpr Feature with_gray_transmission[] = {Feature::alpha_masks, Featu
 /// A shadow technique. Life: construct (no work), set parameters, then setup, build, relight, resolve in this order; each
 /// later stage may be repeated without the earlier ones, with other arguments. A parameter set afterwards is seen from the
 /// stage that it spoils on. Scene, light and G-buffer outlive the technique until the next build, relight, resolve.
-/// Where the scene's vertices moved, update stands in build's place; relight and resolve follow it always.
+/// Where the scene's vertices moved, update takes build's place; relight and resolve follow it always.
 /// Every call does its whole work: it may reuse allocations, never answers, but for what `update` says. GL techniques find the
 /// GL state at its defaults, restore it, and drain the queue before a stage returns.
 class Technique : public Parametrized {
  public:
-  /// Asked before anything runs, on a fresh object with its parameters set: without GL, and of one that draws again where a
+  /// Called before anything runs, on a fresh object with its parameters set: without GL, and of one that draws again where a
   /// context is current, whose limits count then (gnomon/kit/gl/gl_limits.h).
   virtual Support supports(const Scene& scene, const Light& light, const View& view) const = 0;
   /// Once per process. Ends with one draw per shader variant in the state of the timed stages.

@@ -42,8 +42,8 @@ GNOMON_VECTORIZED std::uint32_t aim(const float* f, const float* x, const float*
   return held;
 }
 
-/// Of each replica: places asked and blocked, those that are dimmed by what they miss, and the weights of both. And the largest
-/// weight of all.
+/// Of each replica: the numbers of places asked and blocked, those that are dimmed by what they miss, and the weights of both.
+/// And the largest weight of all.
 struct Sums {
   std::array<double, ray_replicas> asked{}, blocked{}, weight{}, blocked_weight{};
   float heaviest = 0;

@@ -192,8 +192,8 @@ class PixelPaths {
 std::optional<std::string> endless_bounces(const Scene& scene) {
   for (const Mesh& mesh : scene.meshes)
     if (const float most = std::max({mesh.albedo.x, mesh.albedo.y, mesh.albedo.z}); !(most < 1))
-      return fmt::format("mesh {} has an albedo of {}, and all bounces would add up without end: below 1 is wanted", mesh.name,
-                         most);
+      return fmt::format("mesh {} has an albedo of {}, and all bounces would add up without end: below 1 is required",
+                         mesh.name, most);
   return std::nullopt;
 }
 

@@ -237,7 +237,7 @@ AreaPoint AreaMap::point(std::size_t index) const {
 std::vector<DebugLayer> AreaMap::debug_layers() const {
   std::vector<DebugLayer> layers = map_layers();
   layers.push_back({"radius",
-                    "How far texels were asked from a point's own, in texels along the longer way, over the dimmed picture.",
+                    "How far texels were read from a point's own, in texels along the longer way, over the dimmed picture.",
                     heat_legend()});
   return layers;
 }

@@ -200,10 +200,11 @@ void check_detail(const Scene& scene, const SurfaceDetail& detail) {
     const auto k = static_cast<std::size_t>(&p - detail.polygons.data());
     if (p.mesh >= scene.meshes.size())
       throw Error("surface-detail polygon {} is of mesh {}; the scene has {}", k, p.mesh, scene.meshes.size());
-    if (p.is_lit && p.is_penumbra) throw Error("surface-detail polygon {} is lit and in the penumbra; one is wanted", k);
+    if (p.is_lit && p.is_penumbra)
+      throw Error("surface-detail polygon {} is lit and in the penumbra; one of the two is allowed", k);
     if (const std::size_t count = scene.meshes[p.mesh].triangles.size(); p.triangle >= count)
       throw Error("surface-detail polygon {} is of triangle {}; mesh {} has {}", k, p.triangle, p.mesh, count);
-    if (p.count < 3) throw Error("surface-detail polygon {} has {} corners; three at least are wanted", k, p.count);
+    if (p.count < 3) throw Error("surface-detail polygon {} has {} corners; three at least are required", k, p.count);
     if (p.first > detail.corners.size() || p.count > detail.corners.size() - p.first)
       throw Error("surface-detail polygon {} has corners from {} to {}; there are {}", k, p.first,
                   std::uint64_t{p.first} + p.count - 1, detail.corners.size());

@@ -11,7 +11,7 @@
 #include "kit/rays/ray_filters.h"
 #include "kit/rays/tree_sample.h"
 
-// What a RayScene holds. rays.cpp asks it, ray_build.cpp makes it, ray_update.cpp lets it follow a scene that moves.
+// What a RayScene holds. rays.cpp queries it, ray_build.cpp makes it, ray_update.cpp lets it follow a scene that moves.
 namespace gnomon {
 
 /// The geometry that Embree traces in place of a mesh with an exact curved shape.

@@ -3,7 +3,7 @@
 #include <gnomon/kit/geometry/holes.h>
 #include <gnomon/kit/rays/rays.h>
 
-// What hits count, as Embree asks it of every triangle that a ray meets.
+// Which hits count: Embree calls this for every triangle that a ray meets.
 namespace gnomon {
 
 /// What the filter and the shape callbacks see beside Embree's own context; ray ids are lane numbers.

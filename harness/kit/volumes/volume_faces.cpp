@@ -16,7 +16,7 @@ vec3 fetch(uint v) { return vec3(positions[3 * v], positions[3 * v + 1], positio
 // equal ends in every draw.
 vec4 end_of(vec3 p, float end) {
   if (end < 2) return vec4(light.w * p - light.xyz, 0);
-  int which = max(int(end) - 2, 0);  // a compiler that knows `end` refuses -2, also where it has returned
+  int which = max(int(end) - 2, 0);  // a compiler that computes `end` refuses -2, also where it has returned
   vec4 plane = far_planes[which];
   precise float height = (plane.x * p.x + plane.y * p.y) + (plane.z * p.z + plane.w);
   precise vec4 meets = far_heights[which].x * vec4(p, 1) - height * light;

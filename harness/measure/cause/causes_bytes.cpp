@@ -24,11 +24,11 @@ bool is_finite(const glm::dvec3& v) { return std::isfinite(v.x) && std::isfinite
 /// Rays are traced from these numbers: one that is none would stop the ray tracer.
 void check(const Explanation& why, std::size_t place) {
   const auto refuse = [&](std::string_view what) { throw Error("explanation {}: {}", place, what); };
-  if (!std::isfinite(why.bias)) refuse(fmt::format("the bias is {}; meters are wanted", why.bias));
+  if (!std::isfinite(why.bias)) refuse(fmt::format("the bias is {}; meters are required", why.bias));
   if (!(why.texel_width >= 0 && std::isfinite(why.texel_width)))
-    refuse(fmt::format("the texel's width is {}; meters, 0 or more, are wanted", why.texel_width));
+    refuse(fmt::format("the texel's width is {}; meters, 0 or more, are required", why.texel_width));
   if (!(why.outline_error >= 0 && std::isfinite(why.outline_error)))
-    refuse(fmt::format("the error of the outline is {}; meters, 0 or more, are wanted", why.outline_error));
+    refuse(fmt::format("the error of the outline is {}; meters, 0 or more, are required", why.outline_error));
   if (why.shifted && !is_finite(*why.shifted)) refuse("the look-up point is not finite");
   for (const Tap& tap : why.taps) {
     if (!is_finite(tap.origin)) refuse("the origin of a tap is not finite");
@@ -41,7 +41,7 @@ void check(const Explanation& why, std::size_t place) {
     if (!is_finite(sample.place)) refuse("the place of a sample is not finite");
     if (!std::isfinite(sample.weight)) refuse(fmt::format("the weight of a sample is {}", sample.weight));
     if (!(sample.visibility >= 0 && sample.visibility <= 1))
-      refuse(fmt::format("the visibility of a sample is {}; 0 .. 1 is wanted", sample.visibility));
+      refuse(fmt::format("the visibility of a sample is {}; 0 .. 1 is required", sample.visibility));
   }
 }
 

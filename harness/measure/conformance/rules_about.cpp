@@ -130,7 +130,7 @@ void support_answered(Trial& trial) {
                    fmt::format("the support is {} with the reason '{}'", kind, support.why()));
       const Support again = trial.support(scene, light);
       trial.expect(support.kind() == again.kind() && support.why() == again.why(),
-                   fmt::format("the support is {} ('{}') when asked first and {} ('{}') when asked again", kind, support.why(),
+                   fmt::format("the support is {} ('{}') at the first call and {} ('{}') at the second", kind, support.why(),
                                name(again.kind()), again.why()));
     }
   }
@@ -242,11 +242,11 @@ std::vector<Rule> about_rules() {
            "Fill in the About: a sentence begins with no small letter and ends with a period. The id is the stem of the "
            "file."),
       Rule("supports_a_light", supports_a_light, {}, "It supports at least one kind of light in each of two simple scenes.",
-           "Look at what supports() answers for a point light; one that refuses everything cannot be asked anything else."),
+           "Look at what supports() answers for a point light; one that refuses everything cannot be checked further."),
       Rule("support_answered", support_answered, {.has_context = false},
            "For every kind of light it answers whether it supports it: before anything runs, without OpenGL, and the same "
            "each time. Everything but full support has a reason.",
-           "A fresh object is asked supports(): compute the answer from scene, light and view alone, and never from what a "
+           "A fresh object answers supports(): compute the answer from scene, light and view alone, and never from what a "
            "stage has made. Give Support::unsupported and Support::approximate a reason."),
       Rule("parameters_and_layers", parameters_and_layers, {},
            "Every parameter and debug layer has a plain name of its own and a sentence. No layer is named mask, error or "

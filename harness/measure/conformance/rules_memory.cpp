@@ -183,13 +183,13 @@ std::vector<Rule> memory_rules() {
                {.applies_to = AppliesTo::drawing, .has_small_pictures = true, .sanitized = Sanitized::nothing},
                "Build uploads the scene's triangles to OpenGL, so that its time includes the upload, and update those that "
                "moved. No later stage uploads them.",
-               "Ask for scene_buffers(scene) in build and in update, also where only depth_stencil or a later stage needs "
+               "Call scene_buffers(scene) in build and in update, also where only depth_stencil or a later stage needs "
                "them."),
           Rule("reported_bytes", reported_bytes, {.sanitized = Sanitized::nothing},
                "From 6 thousand to 400 thousand triangles, the count bytes grows as resident memory does, within a factor of "
                "two and 8 MiB.",
                "Count everything that the object holds after resolve, textures and buffers of OpenGL included: those of the "
-               "kit know their bytes. What scene_buffers and gbuffer_textures hold is counted by the harness. What is only "
+               "kit return their bytes. What scene_buffers and gbuffer_textures hold is counted by the harness. What is only "
                "needed within a stage is freed at its end.")};
 }
 

@@ -17,7 +17,7 @@ namespace gnomon::conformance {
 Scene generated_scene(const std::string& reference) {
   const std::string id = reference.substr(0, reference.find_first_of(":@"));
   if (!registry().find_scene(id))
-    throw CannotAsk("the generated scene {} is missing: this program was built without it, and rules are asked there", id);
+    throw CannotAsk("the generated scene {} is missing: this program was built without it, and rules are checked there", id);
   return load_scene(reference);
 }
 

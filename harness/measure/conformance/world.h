@@ -20,10 +20,10 @@ class CannotAsk : public Error {
 Scene generated_scene(const std::string& reference);
 
 /// A card whose alpha mask is a checker of 8 x 8 texels, over a ground: a scene that only techniques that handle alpha masks
-/// are asked about.
+/// are checked on.
 Scene checkered_card();
 /// Two cards that let parts of the light through, one of 8 x 8 texels, and a small opaque one over a ground: a scene that only
-/// techniques that handle transmission are asked about.
+/// techniques that handle transmission are checked on.
 Scene glass_cards();
 
 /// The frames of a scene in the folder of references, see World.

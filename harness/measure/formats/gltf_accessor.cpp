@@ -51,7 +51,7 @@ GltfFile::Layout GltfFile::layout(std::size_t accessor, std::size_t width) const
   const auto found = std::ranges::find(element_types, type, &ElementType::name);
   layout.width = found == std::end(element_types) ? 0 : found->width;
   if (layout.width != width)
-    throw Error("{}: {} is of type '{}'; {} numbers an element are wanted", name_, layout.where, type, width);
+    throw Error("{}: {} is of type '{}'; {} numbers an element are required", name_, layout.where, type, width);
   layout.component = static_cast<unsigned>(index(json, layout.where, "componentType").value_or(0));
   if (layout.component < int8 || layout.component > float32 || layout.component == 5124)
     throw Error("{}: {}: componentType = {} is none of 5120 .. 5123, 5125, 5126", name_, layout.where, layout.component);

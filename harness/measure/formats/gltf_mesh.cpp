@@ -196,7 +196,7 @@ void GltfMeshes::read_textures(const Primitive& primitive, const Json& material,
           [&] { add_uv(primitive, places ? places : color.texture, mesh); });
 }
 
-/// The coordinates of a textureInfo, where a mask or a transmission needs them or they are wanted; nothing where there are
+/// The coordinates of a textureInfo, where a mask or a transmission needs them or they are requested; nothing where there are
 /// none.
 void GltfMeshes::add_uv(const Primitive& primitive, const Json* texture, ImportedMesh& mesh) {
   if (mesh.mask.has_image() || mesh.transmission.is_there()) count_vertex_colors(primitive, mesh);

@@ -61,7 +61,7 @@ GltfTree::GltfTree(const GltfFile& file)
   }
   std::vector<bool> seen(size());
   walk(roots, below, [&](std::size_t n) {
-    if (seen[n]) throw Error("{}: node {} stands twice in the scene", file_.name(), n);
+    if (seen[n]) throw Error("{}: node {} is twice in the scene", file_.name(), n);
     seen[n] = true;
     scene_.push_back(n);
   });

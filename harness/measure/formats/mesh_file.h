@@ -65,7 +65,7 @@ struct ImportedMesh : ImportedMaterial {
   std::string name;
   std::vector<glm::dmat4> places;  ///< world from mesh
   std::vector<glm::dvec3> positions;
-  std::vector<glm::vec2> uv;                 ///< one per position, (0, 0) at the image's top left; none unless wanted
+  std::vector<glm::vec2> uv;                 ///< one per position, (0, 0) at the image's top left; none unless requested
   std::vector<std::uint32_t> corner_counts;  ///< one per face
   std::vector<std::uint32_t> corners;        ///< vertex indices of all faces, one after the other
 

@@ -89,7 +89,7 @@ class ObjReader {
       const std::size_t ends = std::max<std::size_t>(lines.words_left(), 1);
       points_and_lines_ += first == "p" ? ends : std::max<std::size_t>(ends - 1, 1);
     } else if (is_among(foreign_file)) {
-      throw Error("{}: '{}' wants another file or program, which is not read", lines.where(), first);
+      throw Error("{}: '{}' refers to another file or program, which is not read", lines.where(), first);
     } else if (is_among(free_form)) {
       ++free_form_;
     } else if (unknown_++ == 0) {

@@ -98,7 +98,7 @@ PlyHeader read_header(const std::string& name, TextLines& lines, std::size_t fil
       if (header.vertex_count > 0) throw Error("{}: element vertex is given twice", lines.where());
       header.vertex_count = element.count;
     } else if (first == "property") {
-      if (header.elements.empty()) throw Error("{}: a property stands before the first element", lines.where());
+      if (header.elements.empty()) throw Error("{}: a property is before the first element", lines.where());
       header.elements.back().properties.push_back(read_property(lines, header.elements.back()));
     } else if (first != "comment" && first != "obj_info" && first != "end_header") {
       ++header.unknown_count;

@@ -60,8 +60,7 @@ class Words {
   }
   void need(std::string_view wanted) {
     const std::string_view word = need();
-    if (!same_word(word, wanted))
-      throw Error("{}: '{}' of facet {} stands where '{}' is meant to", where(), word, facet, wanted);
+    if (!same_word(word, wanted)) throw Error("{}: '{}' of facet {} is where '{}' is required", where(), word, facet, wanted);
   }
   float real() { return static_cast<float>(lines_.number(need())); }
   std::string_view rest_of_line() { return lines_.rest(); }
@@ -99,7 +98,7 @@ MeshFile read_text(const std::string& name, std::string_view text) {
   MeshFile answer;
   Words words(name, text);
   for (std::string_view word = words.next(); !word.empty(); word = words.next()) {
-    if (!same_word(word, "solid")) throw Error("{}: '{}' stands where a solid begins", words.where(), word);
+    if (!same_word(word, "solid")) throw Error("{}: '{}' is where a solid begins", words.where(), word);
     ImportedMesh& mesh = answer.meshes.emplace_back();
     mesh.name = words.rest_of_line();
     for (word = words.next(); !same_word(word, "endsolid"); word = words.next()) {

@@ -120,7 +120,7 @@ fs::path FrameStore::find_or_make(const std::string& name, MissingFrame missing)
   if (missing.light) missing.gbuffer_file = gbuffer_file(missing.key);
   missing.scene_file = scene_file();
   std::vector<std::byte> bytes = maker_ ? maker_->make(missing) : tracer_.make(missing);
-  if (bytes.size() != size) throw Error("a frame was made with {} bytes; {} are wanted", bytes.size(), size);
+  if (bytes.size() != size) throw Error("a frame was made with {} bytes; {} are required", bytes.size(), size);
   append_hash(bytes);
   return files_.put(name, bytes);
 }
@@ -251,7 +251,7 @@ std::vector<std::byte> FrameTracer::soft_reference(const MissingFrame& missing, 
 std::vector<std::byte> FrameTracer::global_reference(const MissingFrame& missing, const GBuffer& g) {
   if (const auto why = untraceable_light(scene_)) throw Error("{}", *why);
   if (!has_area(*missing.light) || missing.global_samples < ray_lanes)
-    throw Error("all light of {} samples a pixel; {} or more of a light with area are wanted", missing.global_samples,
+    throw Error("all light of {} samples a pixel; {} or more of a light with area are required", missing.global_samples,
                 ray_lanes);
   const LightSurfaces surfaces{scene_, everything(missing.key.truth), casters(missing.key.truth)};
   const PathOptions options{.samples = missing.global_samples, .seed = global_seed};

@@ -116,7 +116,7 @@ class FrameTracer final : public FrameMaker {
 /// G-buffers and references of one scene: made once, kept in a content-hashed folder, mapped by every process that needs
 /// them. A file appears there whole or not at all and ends with the hash of its content, which is looked at before it is used;
 /// one that was damaged is made again. FrameFiles says where they are. The scene's meshes are at rest when the store is made.
-/// They may move afterwards: the scene must be in the pose of the FrameKey whenever a frame is asked for, else Error is thrown.
+/// They may move afterwards: the scene must be in the pose of the FrameKey whenever a frame is requested, else Error is thrown.
 class FrameStore {
  public:
   /// Without a maker it traces itself.

@@ -216,7 +216,7 @@ std::shared_ptr<const ProgramDescription> read_program(const fs::path& file) {
   d.file = file;
   d.id = file.stem().string();
   if (!is_plain_name(d.id))
-    throw Error("program {}: '{}' is no id; a file's stem of a..z, 0..9 and _ is wanted", file.string(), d.id);
+    throw Error("program {}: '{}' is no id; a file's stem of a..z, 0..9 and _ is required", file.string(), d.id);
   refuse_control_characters(toml, file);
   d.title = table.text("title");
   d.summary = table.text("summary");

@@ -144,7 +144,7 @@ void ProgramMaskFile::read_image(VisibilityMask& mask) const {
   if (!fs::exists(file_)) throw Error("no mask was written to {}", file_.string());
   const auto [width, height] = image_files().exr_size(file_);
   if (width != mask.width() || height != mask.height())
-    throw Error("the mask is {} x {}; {} x {} is wanted", width, height, mask.width(), mask.height());
+    throw Error("the mask is {} x {}; {} x {} is required", width, height, mask.width(), mask.height());
   const std::vector<std::string> channels = image_files().exr_channels(file_);
   const std::vector<float> read = read_exr(file_, channels.at(0), width, height);
   std::ranges::copy(read, mask.pixels().begin());

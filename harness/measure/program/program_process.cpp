@@ -93,7 +93,7 @@ ProgramProcess::~ProgramProcess() {
 
 Json ProgramProcess::ask(const Json& request) {
   const std::string doing = plain_text(request.at("do"));
-  if (process_ <= 0) throw Error("{} was asked for {} after it had ended", name_, doing);
+  if (process_ <= 0) throw Error("{} got a request for {} after it had ended", name_, doing);
   if (!pending_.empty()) throw Error("{} said more than it was asked: {}", name_, shortened(pending_));
   write_line(input_, json_text(request));  // where it has ended, its answer will not come
   std::size_t end = 0, searched = 0;

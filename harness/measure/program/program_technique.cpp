@@ -170,12 +170,12 @@ class ProgramTechnique final : public Technique, public WorksElsewhere {
     for (const auto& [key, value] : answer.items()) {
       if (key == "ms") {
         if (!value.is_number())
-          throw Error("{} took ms = {}; a number of milliseconds is wanted", name(stage), json_text(value));
+          throw Error("{} took ms = {}; a number of milliseconds is required", name(stage), json_text(value));
         own_ms_ = value.get<double>();
       } else if (key == "counts") {
         stage_counts_[static_cast<std::size_t>(stage)] = counts_from(value);
       } else if (key == "maker") {
-        if (!value.is_string()) throw Error("maker = {}; a text is wanted", json_text(value));
+        if (!value.is_string()) throw Error("maker = {}; a text is required", json_text(value));
         maker_ = value;
       } else {
         throw Error("{} was answered with the key {}; it may have: ms, counts, maker", name(stage), key);
@@ -209,7 +209,7 @@ class ProgramTechnique final : public Technique, public WorksElsewhere {
     if (why.empty()) throw Error("supports was answered with {} without a why", support);
     if (support == "approximate") return Support::approximate(why);
     if (support == "unsupported") return Support::unsupported(why);
-    throw Error("supports was answered with {}; full, approximate or unsupported is wanted", support);
+    throw Error("supports was answered with {}; full, approximate or unsupported is required", support);
   }
 
   std::shared_ptr<const ProgramDescription> d_;

@@ -331,7 +331,7 @@ class Batch {
   std::vector<PendingRow>& rows_;
   Progress& progress_;
   std::vector<const PendingRow*> contenders_;              ///< the first row of each contender on each side
-  std::vector<std::unique_ptr<ContenderWorker>> workers_;  ///< by contender; null when it failed or none is wanted
+  std::vector<std::unique_ptr<ContenderWorker>> workers_;  ///< by contender; null when it failed or none is needed
   int process_ = 0;
   /// Build as timed in this process at the contender's first light, which it does not depend on.
   std::map<Build, TimingTask> builds_;

@@ -120,7 +120,7 @@ void add_camera(const fs::path& file, const ImportedCamera& raw, const Placement
   const glm::dvec3 eye = placement.apply(raw.eye);
   const glm::dvec3 forward = placed_direction(placement, raw.forward), up = placed_direction(placement, raw.up);
   if (!is_sound(forward) || !is_sound(up))
-    return note_item(scene, file, "camera", raw.name, "stands at a node without size and is left out");
+    return note_item(scene, file, "camera", raw.name, "is at a node without size and is left out");
   const glm::dvec3 low(bounds.min), high(bounds.max);
   const double distance = std::max(glm::dot((low + high) / 2.0 - eye, forward), 0.1 * glm::length(high - low));
   scene.views.push_back({.name = free_name(raw.name, scene.views, "view"),

@@ -36,8 +36,8 @@ std::vector<std::byte> answer_of_child(const std::filesystem::path& file, bool w
 void add_imported(const std::filesystem::path& file, std::span<const std::byte> answer, const Placement& placement,
                   Scene& scene, const MaskChoice& masks = {}, const TransmissionChoice& transmission = {});
 
-/// Replaces an image's bytes by its alpha, and by its colors where it wants them; `make_room` gets its size before memory is
-/// taken. An image that cannot be decoded has the reason in `failure`.
+/// Replaces an image's bytes by its alpha, and by its colors where `wants_colors` is set; `make_room` gets its size before
+/// memory is taken. An image that cannot be decoded has the reason in `failure`.
 void decode(MaskImage& image, const std::function<void(std::uint64_t pixels)>& make_room);
 /// The alpha of an image file, or its brightness where it has none; `with_colors`, its colors in place of that. A child reads
 /// it. Throws Error.

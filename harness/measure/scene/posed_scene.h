@@ -74,7 +74,7 @@ class PosedScene {
   std::optional<RowPose> now_, taken_at_;  ///< the pose of the last take_changes()
   std::uint64_t taken_number_ = 0;         ///< its Scene::pose_number
   std::vector<Bounds> taken_bounds_;       ///< of each mesh there; empty before the first call
-  std::string hash_;                       ///< of the present pose, where it was asked for
+  std::string hash_;                       ///< of the present pose, where it was requested
 };
 
 }  // namespace gnomon

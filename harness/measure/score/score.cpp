@@ -78,7 +78,7 @@ std::vector<float> read_mask_file(const std::filesystem::path& path, std::size_t
   const std::size_t size = pixels * lights;
   const auto file = MappedFile::copy(path);
   if (file->bytes().size() != size * sizeof(float))
-    throw Error("mask {} has {} bytes; {} are wanted", path.string(), file->bytes().size(), size * sizeof(float));
+    throw Error("mask {} has {} bytes; {} are required", path.string(), file->bytes().size(), size * sizeof(float));
   std::vector<float> mask(size);
   std::memcpy(mask.data(), file->bytes().data(), file->bytes().size());
   for (std::size_t i = 0; i < size; ++i)

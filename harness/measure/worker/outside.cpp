@@ -113,7 +113,8 @@ const std::vector<Support>& SupportQuestions::ask(const std::string& reference, 
       if (!process_) process_ = std::make_unique<WorkerProcess>(worker_);
       const SupportsRequest::Reply reply = process_->ask(SupportsRequest{file, technique, ""}, timeout_seconds_);
       for (const SupportReply& light : reply.lights) supports.push_back(support_of(light));
-      if (supports.size() != scene.lights.size()) throw WorkerFailure("answered supports for other lights than it was asked");
+      if (supports.size() != scene.lights.size())
+        throw WorkerFailure("answered supports for other lights than those of the request");
     } catch (const std::exception& problem) {
       process_.reset();
       failure = problem.what();

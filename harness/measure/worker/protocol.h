@@ -13,8 +13,8 @@ namespace gnomon {
 /// misunderstand.
 inline constexpr int worker_protocol = 6;
 
-/// A worker that is asked for several iterations of a stage answers after the one in which these seconds are over, with as many
-/// as it has done: an answer takes no longer than this and one call of the stage.
+/// A worker with a request for several iterations of a stage answers after the one in which these seconds are over, with as
+/// many as it has done: an answer takes no longer than this and one call of the stage.
 inline constexpr double longest_portion_seconds = 0.1;
 
 /// Bare passes in a row that a worker draws in one answer, at most.

@@ -20,7 +20,7 @@ void require_hash(PosedScene& posed, const std::optional<WantedPose>& wanted, co
   if (!wanted || posed.hash() == wanted->hash) return;
   throw Error(
       "scene {} at {} s of animation {} is posed differently by two programs: its positions have the hash {} here, and {} in "
-      "the program that asks",
+      "the program that requests it",
       scene, wanted->at.seconds, wanted->at.animation, posed.hash(), wanted->hash);
 }
 

@@ -11,8 +11,8 @@
 
 namespace gnomon {
 
-/// A technique on its scene, and the frame that it answers: pose, lights, view and G-buffer. It does stages, and knows which of
-/// them are up to date. Of one process: its OpenGL and its progress are the process's.
+/// A technique on its scene, and the frame that it answers: pose, lights, view and G-buffer. It does stages, and records which
+/// of them are up to date. Of one process: its OpenGL and its progress are the process's.
 class TechniqueFrame {
  public:
   TechniqueFrame() = default;
@@ -25,7 +25,7 @@ class TechniqueFrame {
   bool is_open() const { return objects_.has_value(); }
   /// What a parameter spoils is out of date from then on; the rest stays.
   SetRequest::Reply set(const std::string& settings);
-  /// Moves the scene's meshes to the frame's pose first: all that is asked of the scene is asked of that. Where they move
+  /// Moves the scene's meshes to the frame's pose first: all answers about the scene are about that. Where they move
   /// within a row update is the next stage, in another row build.
   GoRequest::Reply go_to(const GoRequest& request);
 

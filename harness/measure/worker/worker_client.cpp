@@ -28,7 +28,7 @@ std::vector<float> read_rgb(const fs::path& file, std::size_t pixels, const std:
   const auto written = MappedFile::copy(file);
   std::vector<float> rgb(3 * pixels);
   if (written->bytes().size() != rgb.size() * sizeof(float))
-    throw Error("{} has {} bytes; {} are wanted", what, written->bytes().size(), rgb.size() * sizeof(float));
+    throw Error("{} has {} bytes; {} are required", what, written->bytes().size(), rgb.size() * sizeof(float));
   std::memcpy(rgb.data(), written->bytes().data(), written->bytes().size());
   return rgb;
 }

@@ -10,7 +10,7 @@ struct CompareTableOptions {
   std::size_t width = 0;        ///< columns of the terminal; 0: no limit
 };
 
-/// A comparison for people (terminal, Markdown: what differs, unless all is asked for) or for programs (CSV, JSON: everything,
+/// A comparison for people (terminal, Markdown: what differs, unless all is requested) or for programs (CSV, JSON: everything,
 /// unrounded). Throws Error on LaTeX.
 std::string render_comparison(const Comparison& comparison, Format format, const CompareTableOptions& options);
 

@@ -19,7 +19,7 @@ std::string filled(std::string_view page, std::initializer_list<std::pair<std::s
   html.reserve(size);
   for (const auto& [slot, text] : slots) {
     const std::size_t at = page.find(slot);
-    if (at == page.npos) throw Error("the page of the report has no slot {} where it is wanted", slot);
+    if (at == page.npos) throw Error("the page of the report has no slot {} where it is required", slot);
     html.append(page.substr(0, at)).append(text);
     page.remove_prefix(at + slot.size());
   }
@@ -39,7 +39,7 @@ std::string title_of(const fs::path& dir, std::span<const Record> records) {
 Report make_report(const fs::path& dir, std::span<const Record> records, bool with_pictures, bool with_all_frames) {
   if (page_template().empty())
     throw Error("this program was built without the report's page (GNOMON_REPORT=OFF); `gnomon table` has the same numbers");
-  if (records.empty()) throw Error("{} holds no records; a report wants at least one", dir.string());
+  if (records.empty()) throw Error("{} holds no records; a report needs at least one", dir.string());
 
   const Layout layout = lay_out(records, column_names(records));
   const std::string title = title_of(dir, records);

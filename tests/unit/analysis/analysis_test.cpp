@@ -109,7 +109,7 @@ TEST(analysis, filter_sees_scene_light_setting_and_label) {
   EXPECT_EQ(matching(records, "bias=slope").size(), 1u);
   EXPECT_EQ(matching(records, "").size(), 2u);
   EXPECT_THROW(matching(records, "("), Error);
-  // A path stands where it stands in the title of the job.
+  // A path is where it is in the title of the job.
   records[0].path = "slide";
   EXPECT_EQ(title(records[0]), "soup point slide a");
   EXPECT_EQ(matching(records, "^soup point slide a$").size(), 1u);

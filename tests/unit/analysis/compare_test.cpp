@@ -224,7 +224,7 @@ TEST(compare, missing_new_and_broken_rows_are_said) {
   EXPECT_EQ(counts.regressions, 1u) << "what failed before and works now is none";
   EXPECT_EQ(comparison.rows[0].notes, std::vector<std::string>{"ok -> failed: crashed in relight"});
   EXPECT_EQ(comparison.rows[2].notes, std::vector<std::string>{"support: full -> approximate: one light only"});
-  EXPECT_EQ(comparison.rows.back().contender, nullptr) << "missing rows stand last";
+  EXPECT_EQ(comparison.rows.back().contender, nullptr) << "missing rows are last";
 }
 
 TEST(compare, another_scene_under_the_same_name_is_not_compared) {
@@ -346,7 +346,7 @@ TEST(enough, interval_of_relight_and_resolve_decides) {
   EXPECT_TRUE(is_narrow(r, 0.06));
   EXPECT_FALSE(is_narrow(r, 0.03));
   r.times(Stage::build) = {{1}, {100}};
-  EXPECT_TRUE(is_narrow(r, 0.06)) << "build is not asked";
+  EXPECT_TRUE(is_narrow(r, 0.06)) << "build is not judged";
   r.times(Stage::resolve) = {{0.0001}, {0.003}, {0.001}};
   EXPECT_TRUE(is_narrow(r, 0.06)) << "below the clock";
   r.times(Stage::relight) = {{1}};

@@ -51,7 +51,7 @@ TEST(growth, scenes_of_one_family_are_one_series) {
   EXPECT_NEAR(resolve.coefficient, 2, 1e-6);
   EXPECT_TRUE(resolve.exponent->has_interval);
   EXPECT_NEAR(stage_of(growths, "relight").exponent->value, 0, 1e-9);
-  // The same by the scene's parameter, which only the reference knows.
+  // The same by the scene's parameter, which only the reference has.
   EXPECT_NEAR(stage_of(find_growth(family({10, 100, 1000}, 1.5), "count"), "resolve").exponent->value, 1.5, 1e-9);
 }
 

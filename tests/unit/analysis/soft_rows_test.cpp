@@ -1,4 +1,4 @@
-// Analyses of rows under lights with area: beside their error stands its floor.
+// Analyses of rows under lights with area: beside their error is its floor.
 #include <gtest/gtest.h>
 
 #include "analysis/compare.h"
@@ -115,7 +115,7 @@ TEST(soft_rows, a_map_over_both_kinds_says_how_many_places_are_of_each) {
   EXPECT_EQ(places_text(maps[0]), "4 places, 2 of them under lights with area");
   const std::string text = analyze(records, "map", {}, Format::terminal);
   EXPECT_TRUE(has(text, "error in %, mean over 4 places, 2 of them under lights with area\n")) << text;
-  // Each light a column: what stands in it is of one kind.
+  // Each light a column: what is in it is of one kind.
   EXPECT_EQ(make_maps(records, {.x = "light"})[0].places_with_fractions, 0u);
 }
 

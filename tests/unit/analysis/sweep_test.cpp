@@ -211,7 +211,7 @@ TEST(sweep_figure, axes_are_logarithmic_when_they_span_more_than_two_decades) {
   EXPECT_TRUE(has(figure(wide, "count", "wrong_rate"), "set logscale x"));
   EXPECT_TRUE(has(figure(wide, "count", "resolve_ms"), "set logscale y"));
   EXPECT_TRUE(has(figure(wide, "count", "relight_ms"), "set yrange [0:"));  // 3 ms everywhere
-  // What the clock does not see stands at its resolution.
+  // What the clock does not see is at its resolution.
   for (Record& r : records) r.times(Stage::relight) = {{4e-5}, {5e-5}, {4e-5}};
   EXPECT_TRUE(has(figure(records, "count", "relight_ms"), "\n10\t0.001\t0.001\t0.001\n"));
 }

@@ -61,7 +61,7 @@ TEST(causes, a_dark_reference_without_anything_before_the_light_is_unexplained) 
 }
 
 TEST(causes, a_perfect_map_of_the_triangles_is_lit_behind_the_rim_of_the_shape) {
-  // A ball of radius 1 stands as an eight-sided one, whose shadow ends up to 1 - cos(22.5 degrees) = 0.08 m, in the grazing
+  // A ball of radius 1 is an eight-sided one, whose shadow ends up to 1 - cos(22.5 degrees) = 0.08 m, in the grazing
   // light 0.11 m, within the true one. Texels of 1 cm have no part in that.
   Scene scene = on_ground({tessellate(Sphere{{-2, 2, 0}, 1}, 8, "ball")});
   World world(std::move(scene), slanted, {.eye = {0, 10, 0}, .target = {0, 0, 0}, .up = {0, 0, -1}}, Truth::shape);

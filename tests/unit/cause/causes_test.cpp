@@ -202,7 +202,7 @@ TEST(causes, a_technique_that_explains_another_number_of_pixels_is_an_error) {
   const Reference r = world.reference();
   const auto none = [](std::span<const std::uint32_t>) { return std::vector<std::optional<Explanation>>(); };
   EXPECT_THROW(find_causes({world.scene, world.casters, world.gbuffer, world.light, r, world.mask, {}, none}), Error);
-  // Nobody to ask is no error: then it is a technique without an account.
+  // No explanation is no error: then it is a technique without an account.
   EXPECT_EQ(count_causes(find_causes({world.scene, world.casters, world.gbuffer, world.light, r, world.mask, {}, {}}))["crack"],
             1u);
 }

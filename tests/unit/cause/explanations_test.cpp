@@ -33,7 +33,7 @@ TEST(explanations, come_back_from_their_bytes) {
     if (k >= 40)
       for (int j = k % 3; j > 0; --j) why->samples.push_back({vector(), uniform(random), j == 1 ? 0.25 : 1.0});
   }
-  // Without samples, or without causes of the technique's own, the bytes are those of programs that know none.
+  // Without samples, or without causes of the technique's own, the bytes are those of programs without any.
   const auto first_byte = [](std::span<const std::optional<Explanation>> some) { return explanation_bytes(some)[6]; };
   EXPECT_EQ(first_byte(std::span(all).first(40)), std::byte{'3'});
   EXPECT_EQ(first_byte(std::span(all).first(50)), std::byte{'4'});

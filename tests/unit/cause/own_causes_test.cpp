@@ -1,4 +1,4 @@
-// Causes of a technique's own: where they stand in the order, and what they must be like.
+// Causes of a technique's own: where they are in the order, and what they must be like.
 #include "measure/cause/own_causes.h"
 
 #include <gnomon/error.h>

@@ -52,7 +52,7 @@ TEST(soft_causes, a_hard_shadow) {
     const Light point = hand_made::point_light(place);
     trace_shadows(world.casters, world.scene, world.gbuffer, point, world.mask);
     EXPECT_GT(world.shares()["hard_shadow"], 0.97);
-    // The same with the one place that was asked.
+    // The same with the one place that was sampled.
     const auto why = [&](std::uint32_t i) {
       Explanation all;
       all.samples = {{place, 1, world.mask[i]}};
@@ -268,7 +268,7 @@ TEST(soft_causes, an_unexplained_pixel_is_left) {
   world.truth.area[at] = 0.985f;
   world.mask[at] = 0.5f;
   EXPECT_EQ(world.causes()[at], Cause::unexplained);
-  world.mask[at] = 1;  // the reference asked again says so, too
+  world.mask[at] = 1;  // the reference traced again says so, too
   EXPECT_EQ(world.causes()[at], Cause::reference_error);
 }
 

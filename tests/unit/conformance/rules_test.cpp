@@ -17,7 +17,7 @@ using faulty::entry;
 using faulty::Fault;
 using Kind = Verdict::Kind;
 
-/// How places name the size of pictures. Under a sanitizer they have half of it, and some rules ask less.
+/// How places name the size of pictures. Under a sanitizer they have half of it, and some rules check less.
 constexpr const char* size = is_sanitized ? "48 x 27" : "96 x 54";
 
 /// What was found, one line each, with the places.
@@ -97,12 +97,12 @@ TEST(rules, find_what_an_object_keeps_from_its_earlier_life) {
   expect_found("change_of_scene", entry<Fault::keeps_scene>(), "after another scene, and fresh",
                "in sphere_over_plane:segments=12");
   expect_found("two_objects", entry<Fault::shares_light>(), "alone and beside the other", "pixel ");
-  if (!is_sanitized)  // it asks one end there
+  if (!is_sanitized)  // it checks one end there
     expect_found("parameter_ends", entry<Fault::spoils_later>(), "set on a used object, from resolve on", "with is_open=true");
 }
 
 TEST(rules, find_lengths_that_are_special) {
-  if (is_sanitized) GTEST_SKIP() << "the rule is not asked there";
+  if (is_sanitized) GTEST_SKIP() << "the rule is not checked there";
   expect_found("scale", entry<Fault::has_near_plane>(), "pixels differ",
                "in sphere_over_plane:segments=16, lengths times 2^-20, directions times 2^8, light point (point)");
 }

@@ -1,4 +1,4 @@
-// What a card says of itself, asked of a library that stands for its maker's.
+// What a card says of itself, read from a library that stands for its maker's.
 #include "device/card.h"
 
 #include <gtest/gtest.h>

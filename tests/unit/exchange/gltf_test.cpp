@@ -26,7 +26,7 @@ TEST(Gltf, comes_back_through_the_importer) {
     EXPECT_LT(glm::distance(scene.views[v].eye, back.views[v].eye), 1e-5f) << v;
   }
   for (const Light& light : scene.lights) {
-    if (has_area(light)) continue;  // glTF has no word for it: it stands in extras
+    if (has_area(light)) continue;  // glTF has no word for it: it is in extras
     const auto same = std::ranges::find(back.lights, light.name, &Light::name);
     ASSERT_NE(same, back.lights.end()) << light.name;
     EXPECT_EQ(kind_name(*same), kind_name(light));

@@ -91,7 +91,7 @@ TEST(GltfMask, other_modes_have_none) {
   EXPECT_TRUE(file.mask_images.empty());
   EXPECT_FALSE(file.meshes.at(0).mask.has_image());
   EXPECT_TRUE(file.meshes[0].uv.empty()) << "nobody needs them";
-  EXPECT_EQ(card.read(true).meshes.at(0).uv.size(), 4u) << "they are wanted";
+  EXPECT_EQ(card.read(true).meshes.at(0).uv.size(), 4u) << "they are requested";
   card.mode = "BLEND";
   EXPECT_FALSE(card.read().meshes.at(0).mask.has_image()) << "it is glass";
 }

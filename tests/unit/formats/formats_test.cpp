@@ -1,4 +1,4 @@
-// Readers of mesh files, asked directly: the same mesh in every form that a format allows reads the same.
+// Readers of mesh files, called directly: the same mesh in every form that a format allows reads the same.
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
@@ -83,7 +83,7 @@ void put(std::string& bytes, T value, bool is_big_endian) {
   bytes.append(raw, sizeof(T));
 }
 
-/// A PLY of one of three forms, with other elements before, between and behind, and properties that nobody asks for.
+/// A PLY of one of three forms, with other elements before, between and behind, and properties that nobody needs.
 std::string ply_of(const Model& model) {
   const std::string format = one_of("ascii", "binary_little_endian", "binary_big_endian");
   const bool is_text = format == "ascii", is_big = format == "binary_big_endian";

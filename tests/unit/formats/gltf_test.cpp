@@ -1,4 +1,4 @@
-// glTF, asked directly: nodes, accessors, skins, morph targets, and what is refused.
+// glTF, read directly: nodes, accessors, skins, morph targets, and what is refused.
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 

@@ -316,7 +316,7 @@ TEST(moved_rays, go_aside_across_the_ray_and_back_to_the_plane) {
 
 TEST(pixel_packets, take_sixteen_and_the_rest) {
   for (const std::size_t count : {0u, 1u, 16u, 17u, 40u}) {
-    // Two rows; every third pixel is asked about, but not the last one.
+    // Two rows; every third pixel is classified, but not the last one.
     const int width = static_cast<int>(3 * count + 1);
     std::vector<std::size_t> sizes[2], pixels[2];
     const auto is_asked = [&](std::size_t i, int x, int y) {

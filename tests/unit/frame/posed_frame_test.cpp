@@ -87,7 +87,7 @@ TEST_F(PosedFrame, the_scenes_hash_is_that_of_its_rest_wherever_it_is) {
   const Scene unmoved = walking_world::walking_scene();
   FrameStore fresh(unmoved, folder.path());
   EXPECT_EQ(frames.scene_hash({"sun"}), sun);
-  EXPECT_EQ(frames.scene_hash({"point"}), fresh.scene_hash({"point"})) << "asked for the first time";
+  EXPECT_EQ(frames.scene_hash({"point"}), fresh.scene_hash({"point"})) << "computed for the first time";
   EXPECT_EQ(frames.scene_hash({"sun"}, WithMotion::yes), fresh.scene_hash({"sun"}, WithMotion::yes));
   EXPECT_NE(frames.scene_hash({"sun"}, WithMotion::yes), sun);
   EXPECT_EQ(frames.scene_file().filename(), fresh.scene_file().filename());

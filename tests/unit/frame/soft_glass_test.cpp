@@ -139,7 +139,7 @@ TEST(SoftGlass, texels_are_looked_up_in_any_unit_of_length) {
   }
 }
 
-// The numbers of blocked rays, of the places that sample_shares asks, and nothing else.
+// The numbers of blocked rays, of the places that sample_shares traces, and nothing else.
 TEST(SoftGlass, without_transmission_the_share_is_that_of_the_blocked_bits) {
   Random random(11);
   const Scene opaque = scene_of({strip(-4, 0, 1)});

@@ -8,7 +8,7 @@
 // angle, the cosine at the receiver: the larger factor counts. Places that are spread evenly, as those of Cycles are, do better
 // than random ones. One path more or less is 1 / n, as in the reference. Paths of two pixels are independent.
 //
-// POV-Ray asks for the middle of each of n x n cells of a rectangle. Triangles have straight edges on the light, as a point
+// POV-Ray samples the middle of each of n x n cells of a rectangle. Triangles have straight edges on the light, as a point
 // sees it. A cell that none crosses is right. Of one that an edge crosses the seen share is anywhere in 0 .. 1 but counted as 0
 // or 1: wrong by at most 1/2, and where the edge runs along the cells by a number that is uniform in -1/2 .. 1/2, of variance
 // 1/12, which is the most. All m crossed cells may be wrong by the same number, so that

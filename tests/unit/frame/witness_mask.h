@@ -14,7 +14,7 @@
 
 namespace gnomon {
 
-/// A renderer, by its folder, and the geometry that it knows.
+/// A renderer, by its folder, and the geometry that it renders.
 struct WitnessInfo {
   std::string_view id;
   Truth truth;

@@ -97,7 +97,7 @@ TEST(AreaRays, differ_from_the_exact_share_by_no_more_than_their_error_says) {
 }
 
 // A light of 2 km, 1 m above the point: half of its irradiance comes from 1 m around, a millionth of its area, which no ray is
-// sent to. What is above the point hides that half; the error says that the rays do not know.
+// sent to. What is above the point hides that half; the error says that the rays do not tell.
 TEST(AreaRays, a_place_that_outweighs_all_others_may_be_missed) {
   const Light sky{.kind = RectLight{{0, 1, 0}, {1000, 0, 0}, {0, 0, 1000}}};
   const Scene leaf = scene_of({{{{-0.5f, 0.5f, -0.5f}, {1, 0.5f, 0}, {-0.5f, 0.5f, 0.5f}}}});

@@ -265,7 +265,7 @@ TEST(Clip, a_clipper_keeps_what_is_inside_all_planes) {
   EXPECT_EQ(clipper.corners().size(), 4u);
 }
 
-// Its buffers take turns: once they have the size that the polygons ask for, no cut allocates.
+// Its buffers take turns: once they have the size that the polygons need, no cut allocates.
 TEST(Clip, a_clipper_does_not_grow) {
   Clipper clipper;
   std::set<const Corner*> places;

@@ -101,7 +101,7 @@ TEST(light_camera, taps_lie_on_the_rays_through_their_texels) {
   }
 }
 
-// A receiver may be as near to a light as it likes, if the picture shows it: what stands before it is nearer than the near end.
+// A receiver may be as near to a light as it likes, if the picture shows it: what is before it is nearer than the near end.
 TEST(light_camera, images_fitted_to_a_view_begin_before_the_nearest_receiver) {
   Scene scene;
   // 2 mm below the light and far below it; the caster is in between of both.

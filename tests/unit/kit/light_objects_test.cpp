@@ -95,7 +95,7 @@ TEST(light_objects, objects_beside_those_of_another_share_with_its_first_and_nee
       EXPECT_EQ(k, 0u);
       ++stages;
     });
-  EXPECT_EQ(stages, 2) << "update stands in for build, of the same object";
+  EXPECT_EQ(stages, 2) << "update takes build's place, of the same object";
   EXPECT_EQ(guests[2].counts()[1].value, 1) << "the build is seen";
   guests.each(Stage::relight, [&](Technique&, std::size_t) { ++stages; });
   EXPECT_EQ(stages, 5);

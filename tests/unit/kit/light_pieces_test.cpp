@@ -1,4 +1,4 @@
-// What casters leave of a light with area, against closed forms and against scan lines that know nothing of polygons.
+// What casters leave of a light with area, against closed forms and against scan lines without polygons.
 #include <gnomon/kit/area/area_scene.h>
 #include <gnomon/kit/random.h>
 #include <gtest/gtest.h>

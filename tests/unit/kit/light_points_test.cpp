@@ -93,7 +93,7 @@ TEST(light_points, weights_of_a_sphere_measure_the_disc_that_is_seen) {
   }
 }
 
-// A rectangle's points are those that area_rays asks: the square's share of both sides.
+// A rectangle's points are those that area_rays samples: the square's share of both sides.
 TEST(light_points, points_of_a_rectangle_are_places_of_its_square) {
   const auto& r = std::get<RectLight>(rect.kind);
   for (const std::string_view pattern : pattern_names()) {

@@ -128,7 +128,7 @@ RC_GTEST_PROP(param, a_list_with_one_bad_setting_changes_nothing, ()) {
 }
 
 TEST(param, a_default_outside_its_own_range_cannot_be_constructed) {
-  Parametrized owner;  // it is not asked for its rows: they are gone at once
+  Parametrized owner;  // its rows are not read: they are gone at once
   const auto number = [&](double value, double min, double max) {
     return complaint(
         [&] { Number<double>{&owner, "bias", value, {.unit = "m", .min = min, .max = max}, Stage::build, "Bias."}; });

@@ -15,7 +15,7 @@ using planar_conic::Conic;
 constexpr double pi = std::numbers::pi;
 const glm::dvec4 ground(0, 1, 0, 0);
 
-/// A shape that the paper knows, over the ground at most 3 high, and a light above all of it; one in six is at infinity.
+/// A shape that the paper has, over the ground at most 3 high, and a light above all of it; one in six is at infinity.
 /// Places are in steps of 2^-10, so that float32 holds them, sums of them and what they move to by whole numbers.
 Question paper_question(Random& random) {
   const auto number = [&](double low, double high) {

@@ -109,7 +109,7 @@ TEST(PlanarShadow, edge_on_but_for_rounding_casts_a_sliver_at_most) {
 
 // --- outlines() ------------------------------------------------------------------------------------------------------------
 
-/// Coordinates along a plane, right-handed with its normal, from an origin near what they are asked about.
+/// Coordinates along a plane, right-handed with its normal, from an origin near the points tested.
 struct Along {
   glm::dvec3 origin, s, t;
 
@@ -276,7 +276,8 @@ std::optional<glm::dvec3> point_on_outline(Random& random, const Question& q, co
 // One unit is 2^-24 of the point's distance from the part's middle and of the part's size, together. With the light no closer
 // to the shape than a tenth of its radius, float32 answers otherwise than double only within 16 units of where double changes
 // its answer (looked for in 26 directions), and nearly always within 2. (Closer lights make parts nearly edge-on and points of
-// a part nearly infinite: at 1e-5 of the size some answers differ at thousands of units.) Points are asked at 1 to 16384 units.
+// a part nearly infinite: at 1e-5 of the size some answers differ at thousands of units.) Points are tested at 1 to 16384
+// units.
 TEST(PlanarShadow, float32_differs_by_roundings_only) {
   Random random(7);
   int asked = 0, differ = 0, beyond_two = 0;

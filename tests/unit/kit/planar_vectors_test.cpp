@@ -20,7 +20,7 @@ using planar_conic::Conic;
 constexpr double pi = std::numbers::pi;
 const glm::dvec4 ground(0, 1, 0, 0);
 
-/// The values of a vector, expected or as printed. Each must be asked for: `finish` complains of those that nobody compared.
+/// The values of a vector, expected or as printed. Each must be read: `finish` complains of those that nobody compared.
 class Values {
  public:
   Values(const json& vector, const char* which) : tolerance_(vector.at("tolerance_abs")) {
@@ -337,7 +337,7 @@ TEST(PlanarVectors, hold) {
     SCOPED_TRACE(name);
     const auto check = std::ranges::find_if(checks, [&](const auto& c) { return name.starts_with(c.first); });
     if (check == std::end(checks)) {
-      ADD_FAILURE() << "no test knows this vector";
+      ADD_FAILURE() << "no test has this vector";
       continue;
     }
     Vector v{vector.at("inputs"), Values(vector, "expected"), Values(vector, "as_printed")};

@@ -9,7 +9,7 @@ using namespace gnomon;
 
 using Weights = std::map<std::pair<int, int>, double>;
 
-/// Of texels that stand twice, together.
+/// Of texels that are there twice, together.
 Weights weights_of(const Prefilter& filter, const glm::dvec2& place, const glm::dmat2& pixel, int resolution = 64) {
   Weights weights;
   for (const auto& [texel, weight] : filter.texels(place, pixel, resolution)) weights[{texel.x, texel.y}] += weight;
@@ -50,7 +50,7 @@ TEST(Prefilter, the_box_of_a_table_is_the_one_around_the_footprint) {
   EXPECT_EQ(weights_of({.kind = Prefilter::Kind::table, .widest_footprint = 4}, {20, 20}, {{300, 3}, {-3, 300}}).size(), 16u);
 }
 
-// A footprint of 4 texels asks level 2. In the middle of one of its texels, 8 .. 12, that one alone; a quarter of a texel of
+// A footprint of 4 texels reads level 2. In the middle of one of its texels, 8 .. 12, that one alone; a quarter of a texel of
 // the level on, three quarters of it and a quarter of the next.
 TEST(Prefilter, mips_weigh_two_by_two_of_each_of_two_levels) {
   const Prefilter mips{.kind = Prefilter::Kind::mips, .radius = 0, .widest_footprint = 16};
@@ -69,7 +69,7 @@ TEST(Prefilter, mips_weigh_two_by_two_of_each_of_two_levels) {
 }
 
 // Along one axis a box of five texels has a mean square distance of 5^2 / 12, the texels' own width included, and the weights
-// between two texels add 1/6 in the mean over places: 2.25. Level k has 4^k / 12 + 4^k / 6 = 4^k / 4; radius 2 asks level
+// between two texels add 1/6 in the mean over places: 2.25. Level k has 4^k / 12 + 4^k / 6 = 4^k / 4; radius 2 reads level
 // log2(5 / sqrt 3) = 1.53, between 1 and 4, by 0.47 and 0.53: 2.59.
 TEST(Prefilter, mips_spread_as_much_as_the_blur_up_to_what_two_levels_add) {
   const auto square = [](const Prefilter& filter) {

@@ -1,4 +1,4 @@
-// Shadow rays against a brute force in double that knows no Embree, and against themselves.
+// Shadow rays against a brute force in double without Embree, and against themselves.
 #include <gnomon/kit/geometry/shapes.h>
 #include <gnomon/kit/random.h>
 #include <gnomon/kit/rays/rays.h>
@@ -206,7 +206,7 @@ TEST(closest, is_the_same_triangle_whatever_the_unit_of_length) {
 }
 
 TEST(trace_shadows, equals_one_ray_at_a_time_in_double_away_from_edges) {
-  // The brute force asks five times, at the point and at four points 1e-4 m around it in the receiver's plane. Where they
+  // The brute force tests five times, at the point and at four points 1e-4 m around it in the receiver's plane. Where they
   // agree no edge is near and the answers must be equal; 2 mm of edge in 10 m leaves nearly all pixels.
   std::size_t compared = 0, facing = 0;
   for (unsigned seed = 1; seed <= 8; ++seed) {

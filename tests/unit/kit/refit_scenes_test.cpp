@@ -1,6 +1,6 @@
 // Rays, exact segments and exact shares in scenes that move: after updates they answer as where they are built.
 //
-// GNOMON_PIXELS=1000000 asks about that many rays instead of the few of every day; GNOMON_SEED=1 asks others.
+// GNOMON_PIXELS=1000000 tests about that many rays instead of the few of every day; GNOMON_SEED=1 tests others.
 #include <gnomon/kit/area/area_scene.h>
 #include <gnomon/kit/geometry/edges.h>
 #include <gnomon/kit/geometry/exact_scene.h>

@@ -11,7 +11,7 @@ __attribute__((noinline)) bool is_rounded(const glm::dvec4& l, const glm::vec3&)
 }
 
 // Points are rounded to float32 once and widened again. With vectors made of straight-line code, GCC 12 keeps the second
-// coordinate of such a point unrounded: the flag that forbids them is what this test asks for.
+// coordinate of such a point unrounded: the flag that forbids them is what this test checks.
 TEST(Rounding, a_point_widened_from_float32_is_rounded_in_every_coordinate) {
   Random random(3);
   const auto point = [&] { return glm::vec3(random.uniform(glm::dvec3(-2), glm::dvec3(2))); };

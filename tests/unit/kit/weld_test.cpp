@@ -13,7 +13,7 @@ TEST(Weld, the_first_vertex_at_each_position) {
   EXPECT_TRUE(weld({}).empty());
 }
 
-// Vertices that are not wanted stay alone, and others are not joined to them.
+// Vertices without `wanted` stay alone, and others are not joined to them.
 TEST(Weld, only_those_wanted) {
   const std::vector<glm::vec3> positions(4, glm::vec3(1));
   const std::vector<std::uint8_t> wanted = {0, 1, 0, 1};

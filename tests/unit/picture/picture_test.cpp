@@ -118,7 +118,7 @@ TEST(debug_layer, swatches_stand_below_the_sentence_in_their_colors) {
   DebugLayer layer{"layer", "A sentence.", {{"first", {0.5, 0.25, 0.125}}, {"second", {0, 1, 0.5}}}};
   for (const int width : {640, 100}) {
     const Picture picture = draw_black(width, h, layer, {0.5, 0.25, 0.125});
-    // The two stand side by side or, where the width is for one, below each other.
+    // The two are side by side or, where the width is for one, below each other.
     EXPECT_EQ(picture.height, h + (width == 640 ? 50 : 70));
     EXPECT_EQ(count(picture, {188, 137, 99}, 0, h), 1) << "the pixel of the layer";
     EXPECT_EQ(count(picture, {0, 0, 0}, 0, h), h * width - 1) << "the others";

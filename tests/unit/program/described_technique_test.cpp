@@ -102,7 +102,7 @@ TEST(described_technique, does_nothing_here_and_says_why) {
   }
 }
 
-// Nobody can ask it here: it says what it was told to know, and where nobody knows that it may know all.
+// No object is here to call: it supports the lights that it was given, and where none were given it may support all.
 TEST(described_technique, knows_the_lights_that_are_told_or_all) {
   const TechniqueEntry& there = registry().technique("area_rays");
   const std::vector<std::string> lights = {"rect", "disc"};

@@ -93,7 +93,7 @@ TEST(latex, long_tables_become_several_floats_and_no_row_is_lost) {
   EXPECT_EQ(count("\\label{"), 1);
   EXPECT_EQ(count(" (3 of 4)}"), 1);
   EXPECT_EQ(count("& full &"), 12 * 9);
-  EXPECT_EQ(count("renderer: "), 1);  // notes stand below the last one
+  EXPECT_EQ(count("renderer: "), 1);  // notes are below the last one
 }
 
 // Three groups of ten lines a page: 40 pages are 120 groups.

@@ -11,7 +11,7 @@ TEST(table, terminal_rows_of_all_groups_have_their_columns_at_the_same_place) {
   named.label = "map ± bias";
   const std::vector<Record> records{row("shadow_map", 1.5, 0.25), row("planar", 12, 0.01), named};
   const std::string text = render_table(records, Format::terminal, {.columns = {"technique", "resolve_ms", "wrong_rate"}});
-  // Digits end at the same column; the mark of the best stands behind them.
+  // Digits end at the same column; the mark of the best is behind them.
   EXPECT_EQ(text.substr(0, text.find("\n\n*")),
             "technique   resolve  wrong\n"
             "                 ms      %\n"
@@ -107,7 +107,7 @@ TEST(table, rows_on_a_path_stand_apart_from_rows_that_stand_still) {
 
 TEST(table, causes_are_shares_of_wrong_pixels_for_people_and_of_tested_ones_in_their_columns) {
   std::vector<Record> records{row("a", 3, 0.1)};
-  EXPECT_FALSE(has(render_table(records, Format::terminal), "causes"));  // nobody asked
+  EXPECT_FALSE(has(render_table(records, Format::terminal), "causes"));  // not requested
   records[0].classes["T"] = 1000;
   records[0].causes = {{"acne", 78}, {"crack", 2}, {"edge_resolution", 20}, {"region", 0}};
   EXPECT_EQ(top_causes(records[0]), "acne 78 %, edge resolution 20 %");

@@ -47,7 +47,7 @@ TEST(estimate, seconds_grow_with_processes_warm_ups_and_repetitions_as_a_batch_s
   EXPECT_NEAR(slow.seconds({2, 3, 5}), 0.5 + 2 * (0.1 + 2), 1e-3);
   slow.stages = {0, 0, 0.1};  // 0.1 ms: sixteen calls a sample
   EXPECT_NEAR(slow.seconds({1, 3, 3}), 0.5 + 0.1 + (3 + 48) * 1e-4, 1e-4);
-  slow.is_measured = false;  // unsupported: asked once
+  slow.is_measured = false;  // unsupported: tried once
   EXPECT_EQ(slow.seconds({5, 3, 3}), 0.5);
 }
 

@@ -90,7 +90,7 @@ TEST(timing, a_task_that_throws_costs_only_its_own_samples) {
   EXPECT_EQ(tasks[2].samples, std::vector<double>(5, 2.0));
   EXPECT_EQ(tasks[1].failure, "the worker died");
   EXPECT_LE(tasks[1].samples.size(), 2u);
-  EXPECT_EQ(calls, 3) << "a task that failed is not asked again";
+  EXPECT_EQ(calls, 3) << "a task that failed is not called again";
   EXPECT_EQ(tasks[0].failure + tasks[2].failure, "");
 }
 

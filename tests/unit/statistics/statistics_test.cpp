@@ -23,7 +23,7 @@ TEST(statistics, median_of_an_even_count_is_the_middle_of_the_two_central_values
 }
 
 TEST(statistics, quantile_interpolates_between_order_statistics) {
-  // Four values stand at 0, 1/3, 2/3 and 1. q = 1/4 is three quarters of the way from the first to the second.
+  // Four values are at 0, 1/3, 2/3 and 1. q = 1/4 is three quarters of the way from the first to the second.
   const std::vector<double> values{40, 10, 30, 20};
   EXPECT_EQ(quantile(values, 0), 10);
   EXPECT_EQ(quantile(values, 1), 40);

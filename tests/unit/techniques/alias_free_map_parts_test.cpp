@@ -73,7 +73,7 @@ TEST(AliasFreeMapParts, a_footprint_holds_all_that_its_triangle_shades) {
   EXPECT_GT(left_out, 100'000);
 }
 
-// A larger one would be right as well, and would ask about points that the triangle cannot shade. Seen on one face, it goes
+// A larger one would be right as well, and would test points that the triangle cannot shade. Seen on one face, it goes
 // beyond the triangle's corners by some 2^-20, which float32 makes a little more.
 TEST(AliasFreeMapParts, a_footprint_ends_where_its_triangle_does) {
   Random random(4);

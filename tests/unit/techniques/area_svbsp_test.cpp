@@ -55,7 +55,7 @@ void scatter(const Scene& scene, const Light& light, Random& random, hand_made::
   }
 }
 
-/// How masks stand to the witness, outside class U.
+/// How masks compare with the witness, outside class U.
 struct Tally {
   std::size_t lit = 0, wrong_lit = 0, umbra = 0, wrong_umbra = 0, penumbra = 0, uncertain = 0;
   double worst = 0;  ///< in the penumbra

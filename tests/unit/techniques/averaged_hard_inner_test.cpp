@@ -1,4 +1,4 @@
-// Means of hard shadows: what they ask of the technique within, what they pass on of it, and what is refused.
+// Means of hard shadows: what they call of the technique within, what they pass on of it, and what is refused.
 #include "averaged_hard_rig.h"
 
 namespace averaged_hard_inner_test {
@@ -127,7 +127,7 @@ TEST_F(AveragedHard, a_technique_that_shares_nothing_has_a_build_for_every_point
   }
 }
 
-/// Says of everything what a setting is, and counts how often it is asked whether it supports something.
+/// Says of everything what a setting is, and counts the calls of its supports().
 class Says final : public Technique {
  public:
   Number<double> value{this, "value", 0.5, {"", -2, 2}, Stage::resolve, "What it says."};
@@ -211,7 +211,7 @@ TEST_F(AveragedHard, what_the_hard_technique_does_not_support_is_not_supported) 
   EXPECT_TRUE(made("averaged_hard", "pattern=interleaved,samples=256")->supports(world.scene, lamp({0, 4, 0}, 1), view));
   EXPECT_EQ(made("averaged_hard", "pattern=interleaved,samples=257")->supports(world.scene, lamp({0, 4, 0}, 1), view).why(),
             "pattern interleaved of 257 points needs 4112 objects of svbsp; at most 4096: 256 points");
-  // A lamp through the ball: the analytic composite knows no light inside of a shape.
+  // A lamp through the ball: the analytic composite supports no light inside of a shape.
   const Support inside =
       made("averaged_hard", "of=composite_planar,samples=64")->supports(world.scene, lamp({0, 1, 0}, 3), view);
   EXPECT_EQ(inside.kind(), Support::Kind::unsupported);

@@ -39,8 +39,8 @@ TEST_F(AveragedHard, a_light_that_shrinks_to_a_point_gives_the_hard_mask_of_its_
   }
 }
 
-// With rays and sixteen sets of places it asks what area_rays asks: the same places for every fourth pixel. Rays to an area
-// start a quarter as high, and where the light is cut by the horizon area_rays puts all of its places above it.
+// With rays and sixteen sets of places it samples what area_rays samples: the same places for every fourth pixel. Rays to an
+// area start a quarter as high, and where the light is cut by the horizon area_rays puts all of its places above it.
 TEST_F(AveragedHard, of_rays_it_is_area_rays_with_the_same_places) {
   const World world(generated_scene("box_city:count=12"), Truth::mesh);
   const GBuffer g = world.gbuffer(world.scene.views[0], 96, 64);
@@ -120,7 +120,7 @@ TEST_F(AveragedHard, the_error_falls_with_the_exponent_of_the_pattern) {
   }
 }
 
-// Whatever the registry has for lights without area, of plugins too. What may hold too much is asked for its bytes before
+// Whatever the registry has for lights without area, of plugins too. What may hold too much reports its bytes before
 // resolve.
 TEST_F(AveragedHard, every_hard_technique_can_be_averaged) {
   const World world(generated_scene("sphere_over_plane:segments=12"), Truth::mesh);
@@ -199,7 +199,7 @@ std::pair<double, int> mean_error(const Scene& scene, const GBuffer& g, const Li
 
 // Lights inside of a closed box, across a wall, a hair above the ground and over slivers and triangles of no area: means of 64
 // hard shadows stay as close to the exact shares as in the open. Of a sphere that a caster crosses the points lie on the
-// surface, those of exact_area on the disc that is seen: they differ, and spheres are asked beside casters only.
+// surface, those of exact_area on the disc that is seen: they differ, and spheres are compared beside casters only.
 TEST_F(AveragedHard, lights_in_and_across_casters_have_their_shares) {
   const Mesh ground = small_world::ground(4), room = small_world::box({-2, 1, -2}, {2, 3, 2});
   const Mesh wall =

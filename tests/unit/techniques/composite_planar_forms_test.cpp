@@ -9,7 +9,7 @@ class CompositeForms : public TestRig {};
 
 const View view{.eye = {-4, 6, 7}, .target = {-0.5f, 0.3f, 0}, .fov_y_degrees = 35};
 
-/// What the paper knows, over a receiver whose normal is `up`: a circle, an upright triangle, a sphere and a cone.
+/// What the paper has, over a receiver whose normal is `up`: a circle, an upright triangle, a sphere and a cone.
 Scene paper_scene(const Point& up) {
   const Point u = glm::normalize(glm::cross(up, Point(0.3, 0.1, 1))), v = glm::cross(u, up);
   const auto at = [&](double x, double y, double z) { return glm::vec3(x * u + y * up + z * v); };

@@ -130,7 +130,7 @@ TEST_F(CompositeReceivers, a_light_in_the_plane_leaves_it_lit) {
 }
 
 // Where two receivers cross at a small angle, pixels of each lie in the plane of the other as far as float32 tells. They belong
-// to what they are seen on: neither is asked whether it is behind itself.
+// to what they are seen on: neither is tested for being behind itself.
 TEST_F(CompositeReceivers, sheets_that_cross_at_a_small_angle_do_not_shade_themselves) {
   for (const float slope : {1e-3f, 1e-2f}) {
     Scene scene;

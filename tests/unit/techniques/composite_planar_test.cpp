@@ -70,7 +70,7 @@ TEST_F(CompositePlanar, exact_agrees_with_rays_at_every_tested_pixel) {
   EXPECT_LT(tally.not_covered, tally.tested / 3);
 }
 
-// Sizes that tiles do not divide, and one pixel: the answer is that of the tests asked one after the other, without tiles.
+// Sizes that tiles do not divide, and one pixel: the answer is that of the tests run one after the other, without tiles.
 TEST_F(CompositePlanar, pictures_of_any_size_lose_no_pixel) {
   int asked = 0, dark = 0;
   for (const auto& [width, height] : {std::pair{1, 1}, {33, 31}, {31, 65}, {1, 70}, {200, 2}, {257, 161}})
@@ -83,7 +83,7 @@ TEST_F(CompositePlanar, pictures_of_any_size_lose_no_pixel) {
         const std::vector<PixelClass> classes = world.classes(light, world.reference(light));
         for (std::size_t i = 0; i < answer.size(); ++i) {
           if (classes[i] != PixelClass::T) continue;
-          const Explanation why = explain(i);  // asks them all, in double
+          const Explanation why = explain(i);  // runs them all, in double
           EXPECT_EQ(answer[i], why.element ? 0 : 1) << i;
           ++asked, dark += why.element.has_value();
         }

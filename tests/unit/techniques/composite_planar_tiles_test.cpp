@@ -1,4 +1,4 @@
-// Which tests a pixel is asked: tiles and the patches made of them, without a picture.
+// Which tests a pixel runs: tiles and the patches made of them, without a picture.
 #include <gnomon/kit/random.h>
 #include <gtest/gtest.h>
 
@@ -88,7 +88,7 @@ std::vector<Shape> random_shapes(Random& random, std::uint32_t count) {
   return shapes;
 }
 
-// Whoever may be in the shadow of a test is asked for it, or is in a patch that is dark throughout; and there somebody is.
+// Whoever may be in the shadow of a test runs it, or is in a patch that is dark throughout; and there somebody is.
 TEST(CompositeTiles, every_pixel_in_a_shadow_is_in_a_patch_that_asks_for_it) {
   const std::vector<Receiver> receivers = {square(4, 0), square(1.5, 0.7)};
   int inside = 0, in_whole = 0, pictures = 0;

@@ -1,6 +1,6 @@
 // The exact techniques against each other and against the reference, over random scenes, degenerate ones included.
 //
-// GNOMON_PIXELS=10000000 asks about that many pixels instead of the few of every day, and says what was seen; GNOMON_SEED=1
+// GNOMON_PIXELS=10000000 tests about that many pixels instead of the few of every day, and says what was seen; GNOMON_SEED=1
 // makes other scenes.
 #include <fmt/format.h>
 #include <gnomon/kit/rays/rays.h>

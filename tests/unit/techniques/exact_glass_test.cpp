@@ -239,7 +239,7 @@ TEST_P(ExactGlass, glass_that_lets_all_through_is_not_there) {
 }
 
 // Glass that lets nothing through is opaque: lit and dark as of the same casters without it. crow_counting counts the one and
-// asks the other.
+// tests the other.
 TEST_P(ExactGlass, glass_that_lets_nothing_through_is_opaque) {
   Random random = seeded();
   for (int round = 0; round < 4; ++round) {

@@ -76,7 +76,7 @@ struct Points {
   std::string text() const { return fmt::format("{} checked, {} of them dark, {} left out", checked, dark, left_out); }
 };
 
-/// Asks the oracle about a random inner point of every polygon.
+/// Calls the oracle for a random inner point of every polygon.
 void ask(const Divided& divided, Random& random, Points& points) {
   const ExactScene exact(divided.scene);
   ExactTally tally;

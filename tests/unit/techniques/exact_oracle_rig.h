@@ -96,7 +96,7 @@ class ExactOracle : public testing::TestWithParam<ExactTechnique> {
     return small_world::run(GetParam().roll, settings, scene, light, gbuffer);
   }
 
-  /// Asks the oracle once, and the technique in each of the settings.
+  /// Calls the oracle once, and the technique in each of the settings.
   static void compare(std::span<const std::string> settings, const Scene& scene, const Light& light, const GBuffer& gbuffer,
                       Agreement& sum) {
     const Answers answers(scene, light, gbuffer);

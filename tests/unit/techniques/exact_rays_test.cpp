@@ -18,7 +18,7 @@ Triangle corners(const Mesh& mesh, const glm::uvec3& t) {
   return {{mesh.positions[t.x], mesh.positions[t.y], mesh.positions[t.z]}};
 }
 
-/// Every triangle asked, in order; own ones left out as Receiver says.
+/// Every triangle tested, in order; own ones left out as Receiver says.
 ExactAnswer brute_force(const Scene& scene, const Receiver& receiver, const glm::dvec4& light) {
   bool crossed = false, touched = false;
   for (std::uint32_t m = 0; m < scene.meshes.size(); ++m)

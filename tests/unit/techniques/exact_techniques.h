@@ -1,5 +1,5 @@
 #pragma once
-// The exact techniques of lights without area, the settings in which the oracle is asked about them, and what they owe it.
+// The exact techniques of lights without area, the settings in which the oracle checks them, and what they owe it.
 #include <gnomon/registry.h>
 
 extern "C" {

@@ -62,7 +62,7 @@ std::string place(const Case& c, const Question& question) {
 
 struct Way {
   const char* id;
-  bool has_epsilon;  ///< points within it are not asked; techniques without one owe every point its answer
+  bool has_epsilon;  ///< points within it are not tested; techniques without one owe every point its answer
 };
 void PrintTo(const Way& way, std::ostream* out) { *out << way.id; }
 

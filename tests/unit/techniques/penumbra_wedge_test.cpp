@@ -82,7 +82,7 @@ Mesh polygon(const glm::dvec3& center, const glm::dvec3& u, const glm::dvec3& v,
 }
 
 // All places of the light are on one side of the polygon's plane, so that all see the same outline: nothing is approximate.
-// The witness knows round lights to 1e-5.
+// The witness has round lights to 1e-5.
 TEST(PenumbraWedge, one_convex_polygon_hides_what_clipping_says) {
   Random random(31);
   std::size_t penumbrae = 0;

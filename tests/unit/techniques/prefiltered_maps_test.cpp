@@ -28,7 +28,7 @@ struct Contender {
 };
 
 // A square over a ground, both across the axis of the image: texels hold one of two depths, and of those that are the ground's
-// a share s of light arrives that is their share of the weights. The bias asks 0.25 texel = 0.008 before the ground, of a
+// a share s of light arrives that is their share of the weights. The bias looks up 0.25 texel = 0.008 before the ground, of a
 // depth range of 1: mean and ground are apart by 1 - s less that, and Chebyshev's bound moves by 2 * 0.008 s, and to 1 where
 // 1 - s is no more. What a variance is off by where 16 bits round, v, leaks by v: 0.01 of the squares of floats.
 double lit_share(const Explanation& why) {

@@ -1,5 +1,5 @@
 #pragma once
-// Scenes that are hard on object precision, points on them that ask for their light, and what the exact oracle says.
+// Scenes that are hard on object precision, points on them whose light is in question, and what the exact oracle says.
 #include <gnomon/kit/geometry/exact.h>
 #include <gnomon/kit/geometry/exact_scene.h>
 #include <gnomon/kit/geometry/shapes.h>
@@ -9,7 +9,7 @@
 namespace gnomon::questions {
 
 // Where points are located among made corners, an epsilon of 1e-10 of the extent decides. A point nearer to an edge or to
-// another caster than a hundred times that is not asked.
+// another caster than a hundred times that is not tested.
 constexpr double unasked = 1e-8;
 
 struct Question {
@@ -61,7 +61,7 @@ inline bool touches_another(const Scene& scene, const Receiver& receiver, double
   return false;
 }
 
-/// Asks the oracle for every pixel that faces the light.
+/// Calls the oracle for every pixel that faces the light.
 inline void ask(Case& c) {
   c.extent = gnomon::extent(c.scene, c.light, c.picture.gbuffer.view);
   const ExactScene exact(c.scene);

@@ -12,7 +12,7 @@ using namespace shadow_volume_tree;
 
 constexpr std::uint32_t some_mesh = 7;
 
-/// Turned to the light, as the tree wants it.
+/// Turned to the light, as the tree needs it.
 Caster caster(const Frame& frame, glm::vec3 a, glm::vec3 b, glm::vec3 c, std::uint32_t triangle = 0) {
   if (orient3d_sign(a, b, c, frame.light) < 0) std::swap(b, c);
   Caster made{{a, b, c}, some_mesh, triangle};

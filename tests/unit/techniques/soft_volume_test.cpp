@@ -43,7 +43,7 @@ struct Tally {
   std::size_t penumbrae = 0, left_out = 0;  // pixels
 };
 
-/// Asks the exact judge about every place of every pixel.
+/// Calls the exact judge for every place of every pixel.
 void judge(const Scene& scene, const Light& light, const GBuffer& g, const std::string& settings, Tally& asked) {
   const small_world::Run run = small_world::run(gnomon_technique_soft_volume, settings, scene, light, g);
   for (std::size_t i = 0; i < g.size(); ++i) {
@@ -98,7 +98,7 @@ Scene random_scene(int round, Random& random) {
   return scene;
 }
 
-// Lights stand above casters, between them, in them and across them. GNOMON_PIXELS asks for more places, GNOMON_SEED for
+// Lights stand above casters, between them, in them and across them. GNOMON_PIXELS gives more places, GNOMON_SEED for
 // others.
 TEST(SoftVolume, every_place_of_random_scenes_is_what_exact_signs_say) {
   const char* wanted = std::getenv("GNOMON_PIXELS");

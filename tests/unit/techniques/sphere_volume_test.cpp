@@ -310,7 +310,7 @@ TEST_F(SphereVolume, depth_is_that_of_what_the_gbuffer_sees) {
   EXPECT_GT(curved, 500);
   EXPECT_GT(differ, curved / 2);
 
-  // A G-buffer of triangles has one depth, whoever asks.
+  // A G-buffer of triangles has one depth, whoever reads it.
   GBuffer of_mesh = small_world::make_gbuffer(world.scene, view, 32, 24);
   EXPECT_EQ(&depth_stencil(world.scene, of_mesh), &depth_stencil(world.scene, of_mesh, Truth::shape));
 }

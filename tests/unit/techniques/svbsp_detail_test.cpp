@@ -40,7 +40,7 @@ TEST(Svbsp, areas_of_two_squares_over_a_ground) {
   EXPECT_TRUE(registry.techniques()[0].make()->surface_detail()->polygons.empty());  // of a fresh object
 }
 
-// Merged, a polygon has all its corners and stands alone; else there are more of them, with the same areas, lit and dark.
+// Merged, a polygon has all its corners and is alone; else there are more of them, with the same areas, lit and dark.
 TEST(Svbsp, merging_changes_no_area) {
   Random random(3);
   for (int round = 0; round < 20; ++round) {

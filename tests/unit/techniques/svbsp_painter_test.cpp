@@ -46,13 +46,13 @@ TEST(SvbspPainter, painted_back_to_front_equals_the_depth_buffered_picture) {
   }
   EXPECT_GT(plain, 400'000);
   EXPECT_GT(shadowed, 3000);
-  // At edges, too, both ask about pixel centers.
+  // At edges, too, both test pixel centers.
   EXPECT_LT(elsewhere, 30);
 }
 
 TEST(SvbspPainter, asks_about_what_faces_eye_and_light) {
   // A floor of two triangles, a mesh without any, and a plate above half of it: from above all four face eye and light, from
-  // below none; a mesh that does not receive is not asked about.
+  // below none; a mesh that does not receive is not tested.
   Scene scene;
   scene.meshes = {hand_made::square(2, 0), Mesh{}, hand_made::square(1, 0.5f)};
   scene.meshes[0].albedo = {0.9f, 0.1f, 0.1f};

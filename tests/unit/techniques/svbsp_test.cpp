@@ -160,7 +160,7 @@ TEST(Svbsp, a_shaded_point_names_its_triangle) {
   }
 }
 
-// One object, relit in another order after another scene, knows nothing of the tree it had.
+// One object, relit in another order after another scene, keeps nothing of the tree it had.
 TEST(Svbsp, a_new_order_forgets_the_regular_tree) {
   Scene before, after;
   before.meshes = {square(5, 0), square(2, 1)};

@@ -1,4 +1,4 @@
-// Which pages a picture asks for, and which triangles they draw.
+// Which pages a picture needs, and which triangles they draw.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -110,7 +110,7 @@ TEST(VirtualMapPages, every_triangle_over_a_texel_is_in_the_list_of_its_page) {
               const bool is_met = hit < INFINITY && (hit > 0 || !image.is_perspective);
               const glm::dvec3 a = mesh.positions[c.x], b = mesh.positions[c.y], d = mesh.positions[c.z];
               const bool is_away = m == 2 && glm::dot(glm::cross(b - a, d - a), ray.direction) > 0;
-              // Beyond its pyramid, or the cone, a face is asked nothing.
+              // Beyond its pyramid, or the cone, no page of a face is requested.
               const glm::dvec3 at = ray.origin + hit * ray.direction;
               const bool is_asked = camera.space.face_of(at) == page.face() && in_spot_cone(light, at);
               if (!is_met || !is_asked || is_away) continue;

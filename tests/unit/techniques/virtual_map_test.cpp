@@ -119,7 +119,7 @@ TEST_F(VirtualMap, pages_are_parts_of_one_big_map) {
 }
 
 // The mask follows from the taps: dark where the stored surface lies before the point where its ray cuts the tangent plane, by
-// more than the bias. Where the two sides agree to rounding nothing is asked.
+// more than the bias. Where the two sides agree to rounding nothing is required.
 TEST_F(VirtualMap, explain_reproduces_the_mask_from_its_taps) {
   const Scene scene = soup_over_ground(7);
   const GBuffer g = small_world::make_gbuffer(scene, view, 96, 72);
@@ -190,7 +190,7 @@ TEST_F(VirtualMap, wrong_pixels_get_fewer_as_texels_per_pixel_grows) {
   EXPECT_LT(sums[2], 0.5 * sums[1]);
 }
 
-// Without room for what is asked for, every texel is 2^levels_raised times as wide, or its level is one page; and the counts
+// Without room for what is needed, every texel is 2^levels_raised times as wide, or its level is one page; and the counts
 // say so.
 TEST_F(VirtualMap, more_pages_than_there_is_room_for_raise_all_levels) {
   const Scene scene = soup_over_ground(2);

@@ -101,7 +101,7 @@ TEST(warp, images_have_their_center_where_it_was_asked_for) {
     }
 }
 
-// However near the center is asked for, no texel is finer than float32 tells window coordinates apart.
+// However near the center is requested, no texel is finer than float32 tells window coordinates apart.
 TEST(warp, texels_are_no_finer_than_window_coordinates) {
   LightImage image;
   warped_map::warp(image, {{-1e5, -1e5}, {1e5, -1e5}, {-1e5, 1e5}, {1e5, 1e5}}, 1e-3, 8192, 1);

@@ -1,4 +1,4 @@
-// The viewer's engine on a scene that moves: masks, references and pictures are those of one pose, and updates stand in for
+// The viewer's engine on a scene that moves: masks, references and pictures are those of one pose, and updates replace
 // builds.
 #include <gtest/gtest.h>
 

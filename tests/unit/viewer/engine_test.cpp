@@ -31,7 +31,7 @@ TEST(viewer_engine, shows_what_render_makes) {
 }
 
 // All lights of a scene with curved shapes, of which one is moved: what stays where it is, is not traced again, and the picture
-// of all is still that of render. A depth map knows nothing of the lamp, which has an area: it casts no shadows.
+// of all is still that of render. A depth map does not support the lamp, which has an area: it casts no shadows.
 TEST(viewer_engine, shows_what_render_makes_of_several_lights) {
   TestRig rig;
   rig.open("composite:object=sphere");
@@ -170,7 +170,7 @@ TEST(viewer_engine, says_why_a_side_is_unsupported_and_goes_on) {
   EXPECT_EQ(rig.finish().sides[0].phase, Phase::done);
 }
 
-// Who steps through a list and back has given the worker up and wants it again: whether it was at rest or in the middle of
+// Who steps through a list and back has given the worker up and needs it again: whether it was at rest or in the middle of
 // something, it is interrupted, and that is no failure of the technique.
 TEST(viewer_engine, a_technique_left_for_a_moment_comes_back) {
   TestRig rig;

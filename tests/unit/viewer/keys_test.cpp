@@ -338,7 +338,7 @@ TEST(viewer_keys, nothing_leaps_after_a_pause) {
   EXPECT_TRUE(keys.take(61).empty());
 }
 
-// However often it is asked: over one second 1 + 20 * 2/3 steps.
+// However often it is called: over one second 1 + 20 * 2/3 steps.
 RC_GTEST_PROP(viewer_keys, steps_do_not_depend_on_the_frame_rate, ()) {
   const int calls = *rc::gen::inRange(5, 500);
   HeldKeys keys;

@@ -229,7 +229,7 @@ TEST(pixel_facts, samples_of_the_light_are_counted) {
 
 TEST(pixel_facts, explanations_say_which_taps_were_dark) {
   // The point is the origin; the light's rays come down from 4 m above it. Of two taps of half the weight one is dark where the
-  // mask is 1/2: the one whose stored surface stands farther before the point, though both are before it.
+  // mask is 1/2: the one whose stored surface is farther before the point, though both are before it.
   HandMadeFrame seen(1, 1);
   seen.answer->mask = {0.5f};
   const Composition c = left_of(seen, Paint::shaded);

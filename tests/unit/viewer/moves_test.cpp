@@ -120,7 +120,7 @@ TEST(viewer_moves, orbit_and_look_stop_short_of_the_poles) {
     }
     const View top = orbit(view, {0, 1e6}, height);
     EXPECT_LT(above(orbit(top, {0, -54}, height)), pi * 0.9);  // a tenth of the height is a tenth of half a turn
-    // Nothing turned around: it stands over the same side, seen from the axis.
+    // Nothing turned around: it is over the same side, seen from the axis.
     const glm::dvec3 axis = glm::normalize(glm::dvec3(view.up));
     const auto side = [&](const View& v) { return glm::normalize(offset(v) - glm::dot(offset(v), axis) * axis); };
     EXPECT_GT(glm::dot(side(view), side(top)), 0.999);

@@ -1,4 +1,4 @@
-// Programs that want the same frames at the same time.
+// Programs that request the same frames at the same time.
 #include <gtest/gtest.h>
 
 #include <cstdlib>

@@ -1,4 +1,4 @@
-// Workers of this program, asked by types: what techniques answer by way of them.
+// Workers of this program, called by types: what techniques answer by way of them.
 #include <gnomon/registry.h>
 #include <gtest/gtest.h>
 
@@ -57,7 +57,7 @@ TEST_F(OwnWorker, answers_counts_layers_and_explanations) {
   EXPECT_GE(bytes->value, 6 * 256 * 256 * 2) << "six faces of at least 16 bits a texel";
   EXPECT_GT(answer.peak_bytes, 1'000'000u);
   EXPECT_EQ(client.debug_layer("map").size(), 3 * pixel_count);
-  // More pixels than one request asks for: those of the picture, twice over.
+  // More pixels than one request holds: those of the picture, twice over.
   std::vector<std::uint32_t> pixels(2 * pixel_count);
   for (std::size_t k = 0; k < pixels.size(); ++k) pixels[k] = static_cast<std::uint32_t>(k % pixel_count);
   const auto explanations = client.explain(pixels);
@@ -67,11 +67,11 @@ TEST_F(OwnWorker, answers_counts_layers_and_explanations) {
   EXPECT_FALSE(explanations[shadow]->taps.empty());
   EXPECT_EQ(explanations[shadow]->taps.size(), explanations[shadow + pixel_count]->taps.size());
   client.set("resolution=128");
-  EXPECT_EQ(client.fresh_count(), 3) << "setup, build and update know no resolution";
+  EXPECT_EQ(client.fresh_count(), 3) << "setup, build and update have no resolution";
   EXPECT_EQ(client.mask().size(), pixel_count);
 }
 
-// Whatever is asked: all triangles that go up to OpenGL do so while a stage is timed, and count as memory.
+// Whatever is requested: all triangles that go up to OpenGL do so while a stage is timed, and count as memory.
 TEST_F(OwnWorker, geometry_goes_up_in_stages_alone) {
   std::size_t holding = 0;
   for (const TechniqueEntry& entry : registry().techniques()) {
@@ -154,7 +154,7 @@ TEST_F(OwnWorker, answers_a_light_that_is_not_the_scenes) {
   FrameRequest elsewhere = frame();
   elsewhere.seen = FreeLightAndView{{moved}, scene.views[0]};
   client.frame(elsewhere);
-  EXPECT_EQ(client.fresh_count(), 3) << "another light: build stands";
+  EXPECT_EQ(client.fresh_count(), 3) << "another light: build stays valid";
   EXPECT_NE(client.mask(), before);
   elsewhere.seen = FreeLightAndView{{scene.lights[0]}, scene.views[0]};
   client.frame(elsewhere);

@@ -99,7 +99,7 @@ std::vector<std::string> exr_channels(const fs::path& path) { return open_image(
 std::pair<int, int> exr_size(const fs::path& path) {
   const auto input = open_image(path);
   if (!input->legend_rows.empty())
-    throw Error("{} is a picture with a legend of {} rows below it; a mask without one is wanted, as in mask.exr",
+    throw Error("{} is a picture with a legend of {} rows below it; a mask without one is required, as in mask.exr",
                 path.string(), input->legend_rows);
   return {input->width, input->height};
 }

@@ -17,17 +17,17 @@ struct Squares {
 /// What sixteen rays to a light found.
 struct FaceHits {
   std::uint32_t asked = 0;                     ///< bit k: place k is on the light and above the horizon
-  std::uint32_t blocked = 0;                   ///< of those asked: nothing of the light passes
-  std::uint32_t dimmed = 0;                    ///< of those asked: a part passes, through transmission
-  alignas(64) std::array<float, 16> weight{};  ///< irradiance of each place asked, as LightFigure::weight but for a factor
+  std::uint32_t blocked = 0;                   ///< of those: nothing of the light passes
+  std::uint32_t dimmed = 0;                    ///< of those: a part passes, through transmission
+  alignas(64) std::array<float, 16> weight{};  ///< irradiance of each of those places, as LightFigure::weight but for a factor
   alignas(64) std::array<float, 16> passed{};  ///< that part (red of three), of the rays in `dimmed` alone
 
-  /// What part of the light passes along ray k, which is asked.
+  /// What part of the light passes along ray k, which is in `asked`.
   double seen(int k) const {
     if (dimmed >> k & 1) return passed[k];
     return blocked >> k & 1 ? 0 : 1;
   }
-  /// How many places asked are hidden: one that a part of the light comes from counts as what is missing.
+  /// How many places in `asked` are hidden: one that a part of the light comes from counts as what is missing.
   double hidden_count() const {
     double sum = std::popcount(blocked);
     for (std::uint32_t left = dimmed; left; left &= left - 1) sum += 1.0 - passed[std::countr_zero(left)];
@@ -60,7 +60,7 @@ class FaceRays {
   bool has_transmission() const { return has_transmission_; }
 
  private:
-  /// What rays that are asked find where casters have transmission.
+  /// What rays in `asked` find where casters have transmission.
   void look_through(ShadowPacket& packet, FaceHits& hits) const;
 
   const RayScene& casters_;

@@ -214,7 +214,7 @@ class CasterPrograms {
 
 /// For the shaders of CasterPrograms over casters that let a part of the light through: the vertex shader calls
 ///   void hand_on_transmission()
-/// and the fragment shader asks for
+/// and the fragment shader reads from
 ///   float transmission_here()
 /// what the triangle lets through there (of colored ones the red part), 0 where the mesh has no transmission: the very float of
 /// the texel floor(uv * size), wrapped. Attributes 2 and 4; storage block 6, by `bind_transmissions`.

@@ -68,7 +68,7 @@ class AreaMap : public Technique {
                   Stage::relight, "Side of the square depth image of each cube face around the light's center.");
   Number<int> most_radius =
       Number<int>(this, "most_radius", defaults_.most_radius, {.unit = "texel", .min = 1, .max = 256, .log = true},
-                  Stage::relight, "How far from a point's texel others are asked at most: wider penumbrae become narrower.");
+                  Stage::relight, "How far from a point's texel others are read at most: wider penumbrae become narrower.");
   Choice fit = Choice(
       this, "fit", "scene", {"scene", "view"}, Stage::relight,
       "Images hold all that casters and receivers share, or what the picture shows of it: then each resolve fits and draws "

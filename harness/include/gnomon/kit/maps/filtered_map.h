@@ -69,7 +69,7 @@ class FilteredMap : public Technique {
       this, "blur_weights", "box", {"box", "gaussian"}, Stage::setup, "What the blur weighs texels by; for prefilter=blur."};
   Number<double> bias =
       Number<double>(this, "bias", 0.25, {.unit = "texel", .min = 0, .max = 64}, Stage::resolve,
-                     "What a point is nearer to the light by when it is asked for, in widths of a texel at the point.");
+                     "What a point is nearer to the light by when it is looked up, in widths of a texel at the point.");
   Number<double> leak_reduction = Number<double>(this, "leak_reduction", 0, {.unit = "", .min = 0, .max = 0.95}, Stage::resolve,
                                                  "Answers up to this are dark, and the rest is stretched to 0 .. 1.");
   AlphaSetting alpha{this, Stage::relight};

@@ -4,7 +4,7 @@
 namespace gnomon {
 
 /// Which meshes of a scene move in its row, as Mesh::reach says, and how often the scene was built and updated. What belongs to
-/// one light looks at this, in what all lights share, to know how old it is.
+/// one light looks at this, in what all lights share, to find how old it is.
 class MovingMeshes {
  public:
   struct Number {

@@ -53,7 +53,7 @@ struct Receivers {
 class RayScene {
  public:
   enum class Which { seen, casters };  ///< what the eye sees, or what casts
-  /// How Embree builds: one tree that is asked fastest, or a tree over those of the meshes, of which the ones with a
+  /// How Embree builds: one tree with the fastest queries, or a tree over those of the meshes, of which the ones with a
   /// Mesh::reach can be refitted.
   enum class Trees { fixed, moving };
   RayScene(const Scene& scene, Truth truth, Which which, Trees trees = Trees::fixed);

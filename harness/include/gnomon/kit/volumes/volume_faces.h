@@ -8,8 +8,8 @@ namespace gnomon {
 // passes of a VolumeCounter. A face names vertices of the scene, so that a light changes a list of edges and one of triangles
 // and nothing else. A volume has a side quad for every silhouette edge, light caps, which are the triangles that face the
 // light, and dark caps where it ends: a fan over the outline where the part has a hub, its triangles elsewhere. It ends at
-// infinity, or, if FarPlanes are wanted, where nothing receives any more: what lies beyond is filled for nothing. At infinity
-// the volume of a directional light ends in one point: its sides are triangles, and it has no dark cap.
+// infinity, or, if FarPlanes are requested, where nothing receives any more: what lies beyond is filled for nothing. At
+// infinity the volume of a directional light ends in one point: its sides are triangles, and it has no dark cap.
 
 struct DrawArrays {
   std::uint32_t count = 0, instances = 1, first = 0, base_instance = 0;

@@ -50,7 +50,7 @@ class VolumeTechnique : public Technique {
   Shared<Made> made_;
   const GBuffer* gbuffer_ = nullptr;
   Light light_;
-  mutable Silhouette silhouette_;  ///< ask `silhouette()`
+  mutable Silhouette silhouette_;  ///< read it by `silhouette()`
   FaceBuffers faces_;
   FaceCommands commands_;
   bool ends_early_ = false;  ///< volumes end on far planes, as far as they can
