@@ -1,12 +1,15 @@
 // Boxes walk over a ground between columns that stand still. Each goes around a square of 1 m in its plot, and every third one
-// turns once on its way. Places are whole eighths of a meter, so that positions of float32 are exact at whole sixteenths of a
-// second where nothing turns.
+// turns once on its way. Of many small triangles (`detail`) and with a part of the boxes standing (`walking`) the scene shows
+// what a share that moves costs. Places are whole eighths of a meter, so that positions of float32 are exact at whole
+// sixteenths of a second where nothing turns.
 #include <gnomon/kit/geometry/circling.h>
 #include <gnomon/kit/geometry/shapes.h>
 #include <gnomon/kit/irradiance.h>
 #include <gnomon/registry.h>
 
+#include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace {
 
@@ -15,6 +18,18 @@ using namespace gnomon;
 class WalkingBoxes final : public SceneGenerator {
   Number<int> count{
       this, "count", 12, {.min = 1, .max = 256, .log = true}, Stage::build, "Number of boxes; each has a plot of 2 m."};
+  Number<double> walking{this,
+                         "walking",
+                         1,
+                         {.min = 0.001, .max = 1},
+                         Stage::build,
+                         "Share of the boxes that walk, at least one; the others stand."};
+  Number<int> detail{this,
+                     "detail",
+                     1,
+                     {.min = 1, .max = 64, .log = true},
+                     Stage::build,
+                     "Squares along each edge of a box: 12 detail^2 triangles, without an exact shape from 2 on."};
 
  public:
   Scene make() const override {
@@ -37,8 +52,8 @@ class WalkingBoxes final : public SceneGenerator {
       const float height = 0.5f + 0.125f * static_cast<float>(i * 5 % 7);
       const Box box{.min = start - glm::dvec3(0.25, 0, 0.25), .max = start + glm::dvec3(0.25, height, 0.25)};
       const float green = 0.3f + 0.05f * static_cast<float>(i % 5);
-      scene.meshes.push_back(painted(tessellate(box, default_segments, fmt::format("box_{}", i + 1)), {0.62f, green, 0.2f}));
-      add_walk(i, start, scene, *motion);
+      scene.meshes.push_back(painted(triangles(box, fmt::format("box_{}", i + 1)), {0.62f, green, 0.2f}));
+      if (walks(i)) add_walk(i, start, scene, *motion);
     }
     scene.motion = std::move(motion);
 
@@ -55,6 +70,45 @@ class WalkingBoxes final : public SceneGenerator {
  private:
   static constexpr int leg_count = 4;         ///< of a walk
   static constexpr double leg_seconds = 0.5;  ///< a leg is 1 m: 2 m/s
+
+  /// Those that walk are spread evenly among all.
+  bool walks(int i) const {
+    const double share = std::max(walking.value(), 1.0 / count);
+    return std::floor((i + 1) * share + 0.5) > std::floor(i * share + 0.5);
+  }
+
+  Mesh triangles(const Box& box, std::string name) const {
+    if (detail == 1) return tessellate(box, default_segments, std::move(name));
+    Mesh mesh;
+    mesh.name = std::move(name);
+    for (const int axis : {0, 1, 2})
+      for (const bool is_far : {false, true}) add_side(box, axis, is_far, mesh);
+    finish(mesh);
+    return mesh;
+  }
+
+  /// The side of a box that is at its least or greatest coordinate on an axis. Neighbors have the same points on their edge.
+  void add_side(const Box& box, int axis, bool is_far, Mesh& mesh) const {
+    const int b = (axis + 1) % 3, c = (axis + 2) % 3;
+    const auto n = static_cast<std::uint32_t>(detail.value()), first = static_cast<std::uint32_t>(mesh.positions.size());
+    const auto along = [&](int i, std::uint32_t k) { return std::lerp(double(box.min[i]), double(box.max[i]), double(k) / n); };
+    for (std::uint32_t j = 0; j <= n; ++j)
+      for (std::uint32_t i = 0; i <= n; ++i) {
+        glm::dvec3 point;
+        point[axis] = (is_far ? box.max : box.min)[axis];
+        point[b] = along(b, i);
+        point[c] = along(c, j);
+        mesh.positions.emplace_back(point);
+      }
+    for (std::uint32_t j = 0; j < n; ++j)
+      for (std::uint32_t i = 0; i < n; ++i) {
+        const std::uint32_t corner = first + j * (n + 1) + i;
+        // Counter-clockwise seen from outside: b, c and the axis are right-handed.
+        const std::uint32_t right = corner + (is_far ? 1 : n + 1), left = corner + (is_far ? n + 1 : 1);
+        mesh.triangles.emplace_back(corner, right, corner + n + 2);
+        mesh.triangles.emplace_back(corner, corner + n + 2, left);
+      }
+  }
 
   /// Where box i is after so many legs, from the middle of its plot. Boxes start at all four corners and go around both ways.
   static glm::dvec3 corner(int i, int legs) {

@@ -19,6 +19,7 @@ struct Moving {
 };
 constexpr Moving all[] = {{"walking_boxes", "", "walk", "box_1"},
                           {"walking_boxes", "count=30", "walk", "box_30"},
+                          {"walking_boxes", "walking=0.25,detail=3", "walk", "box_6"},
                           {"bending_tube", "", "bend", "tube"},
                           {"bending_tube", "joints=2,bend=150", "bend", "tube"},
                           {"swarm", "", "fly", "swarm"},
@@ -89,6 +90,45 @@ TEST(MovingScenes, a_box_walks_two_meters_a_second) {
   for (const auto& [seconds, offset] : due) {
     const Scene at = posed(scene, seconds);
     for (std::size_t v = 0; v < rest.size(); ++v) EXPECT_EQ(mesh(at, "box_1").positions[v], rest[v] + offset) << seconds;
+  }
+}
+
+// Of 64 boxes, 1, 8, 32 and 64; the one of 1/64 is the 32nd: floor(32 / 64 + 1/2) = 1. Of 12, one is the least.
+TEST(MovingScenes, a_share_of_the_boxes_walks) {
+  const struct {
+    const char* settings;
+    std::size_t rigs;
+  } due[] = {{"count=64,walking=0.015625", 1},
+             {"count=64,walking=0.125", 8},
+             {"count=64,walking=0.5", 32},
+             {"count=64", 64},
+             {"count=12,walking=0.001", 1}};
+  for (const auto& [settings, rigs] : due) EXPECT_EQ(make("walking_boxes", settings).motion->rigs.size(), rigs) << settings;
+  const Scene one = make("walking_boxes", "count=64,walking=0.015625");
+  EXPECT_EQ(one.meshes[one.motion->rigs.at(0).mesh].name, "box_32");
+}
+
+TEST(MovingScenes, boxes_of_many_triangles_are_the_same_boxes) {
+  const Scene plain = make("walking_boxes"), fine = make("walking_boxes", "detail=5");
+  for (std::size_t m = 0; m < plain.meshes.size(); ++m) {
+    const Mesh &box = plain.meshes[m], &divided = fine.meshes[m];
+    if (!box.name.starts_with("box_")) continue;
+    EXPECT_EQ(divided.triangles.size(), 12u * 5 * 5);
+    EXPECT_TRUE(divided.is_closed()) << divided.name;
+    EXPECT_FALSE(divided.shape);
+    Bounds before, after;
+    before.add(box.positions);
+    after.add(divided.positions);
+    EXPECT_EQ(before.min, after.min);
+    EXPECT_EQ(before.max, after.max);
+    // Outward: the volume below all triangles is that of the box.
+    double volume = 0;
+    for (std::size_t t = 0; t < divided.triangles.size(); ++t) {
+      const Triangle p = divided.corners(t);
+      volume += glm::dot(glm::dvec3(p.points[0]), p.normal()) / 6;  // the normal is as long as twice the area
+    }
+    const glm::dvec3 size = glm::dvec3(before.max) - glm::dvec3(before.min);
+    EXPECT_NEAR(volume, size.x * size.y * size.z, 1e-6) << divided.name;
   }
 }
 
