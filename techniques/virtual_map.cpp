@@ -3,12 +3,15 @@
 //
 // All but the fit is work of resolve. A pass over the G-buffer writes for every pixel which page it requests; the processor
 // collects these words and sorts the casters' triangles to pages; each page draws its own; a second pass looks up, by the very
-// words that the first one wrote, so that no rounding can make it miss a page.
+// words that the first one wrote, so that no rounding can make it miss a page. After an update pages stay in the pool that no
+// moving caster touches (StillPages).
 #include <gnomon/kit/counts.h>
 #include <gnomon/kit/geometry/camera.h>
 #include <gnomon/kit/maps/map_causes.h>
 #include <gnomon/kit/shared.h>
 #include <gnomon/registry.h>
+
+#include <utility>
 
 #include "virtual_map/layers.h"
 #include "virtual_map/pool.h"
@@ -31,8 +34,8 @@ constexpr About about{
         "where alpha is neither 0 nor 1. A texel holds no product: glass is taken for opaque or left out.",
     .fails =
         "Pixels that need pages far apart: surfaces edge-on to the light, leaves and grass; a page is then drawn for a few "
-        "pixels. All but the fit is work of resolve, paid for in every picture, also where only one caster moved since the one "
-        "before: no page is kept.",
+        "pixels. All but the fit is work of resolve, paid for in every picture. Where some casters move and others do not, the "
+        "first resolve after an update keeps pages that none of the moving ones touches, and draws the others.",
     .needs_gl = true,
     .floor = Floor::depth_draw,
     .handles = with_gray_transmission,
@@ -52,7 +55,8 @@ class VirtualMap final : public Technique {
   Number<int> pages =
       Number<int>(this, "pages", 8192, {.unit = "page", .min = 6, .max = 32768, .log = true}, Stage::resolve,
                   "Room: of more pages than this all levels are raised until they fit, and levels_raised counts by how many. "
-                  "A page takes 64 KiB (16 KiB, 256 KiB) where page_size is 128 (64, 256); what is not needed takes none.");
+                  "A page takes 64 KiB (16 KiB, 256 KiB) where page_size is 128 (64, 256); what is not needed takes none, "
+                  "but where some casters move there is room for up to a quarter more.");
   Number<double> depth_bias =
       Number<double>(this, "depth_bias", 2, {.unit = "texel", .min = 0, .max = 64}, Stage::resolve,
                      "What is added to the bias of the receiver's own plane, in world widths of a texel at the point.");
@@ -61,7 +65,9 @@ class VirtualMap final : public Technique {
 
  public:
   Support supports(const Scene& scene, const Light& light, const View&) const override {
-    const PoolLayout layout(static_cast<std::size_t>(pages.value()), size());
+    const bool moves = std::ranges::any_of(scene.meshes, [](const Mesh& mesh) { return !mesh.reach.empty(); });
+    const PoolLayout layout(static_cast<std::size_t>(pages.value()), size(),
+                            moves ? PoolLayout::Room::in_steps : PoolLayout::Room::exact);
     if (const Support support = light_map_support(light, PoolLayout::width, fit_margin, 1); !support) return support;
     const Support support = within_limits({.texture_size = layout.rows * size(), .texture_layers = layout.layers});
     return glass.limit(scene, alpha.limit(scene, support));
@@ -105,6 +111,8 @@ class VirtualMap final : public Technique {
     std::optional<EarlierFootprints> earlier;
     if (made_->moving.number().is_update_of(number_) && camera == camera_)
       earlier.emplace(EarlierFootprints{footprints_, made_->moving});
+    may_keep_ = earlier.has_value();
+    if (!may_keep_) still_pages_ = {};
     number_ = {};  // until all are found
     footprints_ = footprints_of(*made_->scene, made_->solid_parts, camera, earlier);
     camera_ = std::move(camera);
@@ -117,25 +125,26 @@ class VirtualMap final : public Technique {
     made_->drawer.use_alpha(alpha.rule());
     find_addresses();
     table_ = pages_of(asked_, static_cast<std::size_t>(pages.value()), top());
-    layout_ = PoolLayout(table_.pages.size(), size());
     fill(lists_, *made_->scene, scene_buffers(*made_->scene), camera_, footprints_, table_, size());
-    write_places();
-    made_->drawer.draw(camera_, table_, lists_, layout_, pool_, made_->drawer.hole_test());
+    draw_pages();
     look_up(made_->look_up_programs[projection()], pool_, mask.texture());
     glFinish();
   }
   Counts counts() const override {
     const double shared_bytes =
         static_cast<double>(made_->drawer.bytes() + bytes_of(made_->solid_parts) + made_->moving.bytes());
-    const double bytes = static_cast<double>(pool_.bytes + addresses_.bytes + places_.bytes + lists_.bins.bytes() +
-                                             bytes_of(footprints_.all, asked_, table_.pages, lists_.corners));
-    return {{"pages_asked_for", double(table_.asked_count), "page"},
-            {"pages", double(table_.pages.size()), "page"},
-            most_of("levels", table_.level_count()),
-            most_of("levels_raised", table_.raised),
-            {"texels", double(table_.pages.size()) * size() * size(), "texel"},
-            count_of("triangles", lists_.triangle_count()),
-            {"bytes", bytes + made_.own(shared_bytes), "byte"}};
+    const double bytes =
+        static_cast<double>(pool_.bytes + addresses_.bytes + places_.bytes + lists_.bins.bytes() + still_pages_.bytes() +
+                            bytes_of(footprints_.all, asked_, table_.pages, lists_.corners, layout_.slots));
+    Counts counts{{"pages_asked_for", double(table_.asked_count), "page"},
+                  {"pages", double(table_.pages.size()), "page"},
+                  most_of("levels", table_.level_count()),
+                  most_of("levels_raised", table_.raised),
+                  {"texels", double(table_.pages.size()) * size() * size(), "texel"},
+                  count_of("triangles", drawn_.triangles),
+                  {"bytes", bytes + made_.own(shared_bytes), "byte"}};
+    if (has_still_pages()) counts.push_back({"pages_drawn", double(drawn_.pages), "page"});
+    return counts;
   }
   std::unique_ptr<Technique> for_another_light() const override { return another(*this, &VirtualMap::made_); }
   std::optional<Explanation> explain(std::size_t index) const override {
@@ -213,13 +222,27 @@ class VirtualMap final : public Technique {
     glGetTextureImage(addresses_.name(), 0, GL_RED_INTEGER, GL_UNSIGNED_INT, static_cast<GLsizei>(4 * asked_.size()),
                       asked_.data());
   }
+  /// Gives pages their places, and draws those that the pool does not hold. Where some casters move and others do not, the
+  /// first resolve after a relight that could keep what it found keeps pages.
+  void draw_pages() {
+    const HoleTest test = made_->drawer.hole_test();
+    std::vector<std::uint8_t> moving, kept;
+    if (has_still_pages()) moving = pages_of_moving(lists_, footprints_, made_->moving, table_.pages.size());
+    layout_ = PoolLayout(table_.pages, size(), moving);
+    const StillPages before = std::exchange(still_pages_, {});  // none until all is drawn
+    if (std::exchange(may_keep_, false)) kept = before.kept(table_, layout_, moving, test.rule);
+    write_places();
+    drawn_ = made_->drawer.draw(camera_, table_, lists_, layout_, pool_, test, kept);
+    still_pages_ = StillPages(table_, layout_, moving, test.rule);
+  }
+  bool has_still_pages() const { return made_->moving.divide(made_->boxes); }
   /// Writes for each pixel where its page lies in the pool.
   void write_places() {
     std::vector<std::uint32_t> places(asked_.size());
     for_blocks(asked_.size(), 16384, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) {
         if (asked_[i] == PageAddress::none) continue;
-        places[i] = i > begin && asked_[i] == asked_[i - 1] ? places[i - 1] : layout_.word(table_.slot(page_at(i)));
+        places[i] = i > begin && asked_[i] == asked_[i - 1] ? places[i - 1] : layout_.word(table_.index(page_at(i)));
       }
     });
     places_.fit(GL_R32UI, gbuffer_->width, gbuffer_->height);
@@ -286,6 +309,9 @@ class VirtualMap final : public Technique {
   PageTable table_;
   DrawLists lists_;
   PoolLayout layout_;
+  bool may_keep_ = false;   // pages, in the next resolve
+  StillPages still_pages_;  // of the pool, of this camera
+  Drawn drawn_;
   Texture addresses_, places_, pool_;
   const GBuffer* gbuffer_ = nullptr;
 };

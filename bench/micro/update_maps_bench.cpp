@@ -1,5 +1,8 @@
 // What a map with a layer of still casters takes where others move, beside one that draws all casters again: update and relight
 // after each step of an animation. The positions are uploaded before, for both.
+//
+// virtual_map   The first resolve after an update, which keeps pages, beside one that repeats it, which draws all of them.
+//               `drawn` is the share of pages that the first one draws.
 #include <benchmark/benchmark.h>
 #include <gnomon/kit/geometry/circling.h>
 #include <gnomon/kit/gl/gl.h>
@@ -88,6 +91,48 @@ void map_of_walking_boxes(benchmark::State& state, const std::string& id) {
   update_and_relight(state, *scene, id, settings, static_cast<std::size_t>(state.range(1)));
 }
 
+double count(const Technique& technique, std::string_view name) {
+  const Counts counts = technique.counts();
+  return std::ranges::find(counts, name, &Count::name)->value;
+}
+
+void pages_of_balls(benchmark::State& state) {
+  process_context();
+  Scene scene = balls(static_cast<int>(state.range(0)));
+  const Light& light = scene.lights[static_cast<std::size_t>(state.range(1))];
+  PosedScene posed(scene);
+  const auto go_to = [&](int frame) {
+    posed.go_to(RowPose{"lift", frame / frame_rate, 0, frame_rate, frame_count});
+    scene_buffers(scene);
+    return posed.take_changes();
+  };
+  go_to(0);
+  const auto map = made("virtual_map", "", scene, light);
+  VisibilityMask mask(640, 360);
+  map->resolve(seen(scene, scene.views[0], mask.width(), mask.height()), mask);
+  Timings of_first, of_whole;
+  double drawn = 0, pages = 0;
+  int frame = 0;
+  for (auto _ : state) {
+    frame = (frame + 1) % (frame_count - 1);
+    const Changes changes = go_to(frame);
+    const GBuffer gbuffer = seen(scene, scene.views[0], mask.width(), mask.height());
+    map->update(scene, changes);
+    map->relight(light);
+    state.SetIterationTime(of_first.add([&] { map->resolve(gbuffer, mask); }));
+    drawn += count(*map, "pages_drawn");
+    pages += count(*map, "pages");
+    of_whole.add([&] { map->resolve(gbuffer, mask); });
+  }
+  state.counters["floor_ms"] = 1000 * of_whole.median();
+  state.counters["median_ms"] = 1000 * of_first.median();
+  state.counters["ratio"] = of_first.median() / of_whole.median();
+  state.counters["cpu_ratio"] = of_first.cpu_median() / of_whole.cpu_median();
+  state.counters["drawn"] = drawn / pages;
+  state.SetLabel(light.name);
+  release_inputs();
+}
+
 [[maybe_unused]] const bool is_registered = [] {
   for (const std::string id : {"shadow_map", "variance_map"}) {
     add_timed("update_maps/balls/" + id, map_of_balls, id)
@@ -97,6 +142,7 @@ void map_of_walking_boxes(benchmark::State& state, const std::string& id) {
         ->ArgNames({"count", "light", "resolution"})
         ->ArgsProduct({{12, 64}, {0, 1}, {1024, 2048}});
   }
+  add_timed("update_maps/balls/virtual_map", pages_of_balls)->ArgNames({"moving", "light"})->ArgsProduct({{1, 8, 32}, {0, 1}});
   return true;
 }();
 

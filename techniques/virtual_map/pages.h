@@ -54,14 +54,14 @@ inline LightImage at_level(LightImage image, int level) {
   return image;
 }
 
-/// The pages that are drawn, in rising order; the index of a page is its slot.
+/// The pages that are looked up, in rising order; the index of a page is its slot, unless PoolLayout gives it another.
 struct PageTable {
   std::vector<PageAddress> pages{};
   std::size_t asked_count = 0;  ///< before levels were raised
   int raised = 0;               ///< levels that all of them were raised by, to find room
 
-  /// Of a page that is drawn.
-  std::uint32_t slot(PageAddress address) const {
+  /// Of a page that is there.
+  std::uint32_t index(PageAddress address) const {
     return static_cast<std::uint32_t>(std::ranges::lower_bound(pages, address) - pages.begin());
   }
   int level_count() const {

@@ -2,34 +2,14 @@
 #include <gnomon/kit/maps/alpha_levels.h>
 #include <gnomon/kit/volumes/volume_faces.h>
 
-#include "draw_lists.h"
+#include "places.h"
 #include "shaders.h"
 
 namespace gnomon::virtual_map {
 
-/// Where pages lie: side by side in the layers of an array, sixteen in a row of 128.
-struct PoolLayout {
-  static constexpr int width = 2048, most_height = 8192;  ///< texels of a layer
-  int page_size = 128, rows = 1, layers = 1;
-
-  PoolLayout() = default;
-  PoolLayout(std::size_t page_count, int page_size) : page_size(page_size) {
-    const int most_rows = most_height / page_size;
-    const int all_rows = std::max(1, (static_cast<int>(page_count) + columns() - 1) / columns());
-    layers = (all_rows + most_rows - 1) / most_rows;
-    rows = (all_rows + layers - 1) / layers;
-  }
-  int columns() const { return width / page_size; }
-  /// Column, row, layer.
-  glm::ivec3 place(std::uint32_t slot) const {
-    const int row = static_cast<int>(slot) / columns();
-    return {static_cast<int>(slot) % columns(), row % rows, row / rows};
-  }
-  /// The same as shaders read it.
-  std::uint32_t word(std::uint32_t slot) const {
-    const glm::uvec3 at(place(slot));
-    return at.z << 16 | at.y << 8 | at.x;
-  }
+/// What was drawn into a pool.
+struct Drawn {
+  std::size_t pages = 0, triangles = 0;
 };
 
 /// Draws pages. One serves all lights of a technique.
@@ -55,12 +35,15 @@ class PageDrawer {
   /// By that rule; by the texel's where no mesh has a mask.
   HoleTest hole_test() const { return alpha_levels_.hole_test(); }
   /// The pages of a table, by their lists, into `pool`, which becomes D32F of the layout's size. `test` is `hole_test` or the
-  /// texel's.
-  void draw(const LightCamera& camera, const PageTable& table, const DrawLists& lists, const PoolLayout& layout, Texture& pool,
-            const HoleTest& test) {
+  /// texel's. Pages that are `kept`, see StillPages, stay as they are; without it none is.
+  Drawn draw(const LightCamera& camera, const PageTable& table, const DrawLists& lists, const PoolLayout& layout, Texture& pool,
+             const HoleTest& test, std::span<const std::uint8_t> kept = {}) {
     const SceneBuffers& buffers = scene_buffers(*scene_);
     const int size = layout.page_size;
     pool.fit(GL_DEPTH_COMPONENT32F, PoolLayout::width, layout.rows * size, layout.layers);
+    const std::vector<std::uint32_t> drawn = drawn_pages(table, layout, kept);
+    const bool are_all = drawn.size() == table.pages.size();
+    if (!are_all) clear(drawn, layout, pool);
     bind_vertices(buffers, table, lists, size);
     CasterPrograms& programs = programs_[camera.space.is_parallel() ? 0 : 1];
     if (test.rule != hole_test().rule) programs.fit(*scene_, test.rule);
@@ -74,13 +57,13 @@ class PageDrawer {
     glEnable(GL_DEPTH_CLAMP);
     glDepthFunc(GL_GREATER);
     int face = -1, layer = -1;
-    for (std::uint32_t k = 0; k < table.pages.size(); ++k) {
+    std::size_t triangles = 0;
+    for (const std::uint32_t k : drawn) {
       const glm::ivec3 place = layout.place(k);
       if (place.z != layer) {
         layer = place.z;
         glNamedFramebufferTextureLayer(framebuffer, GL_DEPTH_ATTACHMENT, pool.name(), 0, layer);
-        const float infinitely_far = 0;
-        glClearNamedFramebufferfv(framebuffer, GL_DEPTH, 0, &infinitely_far);
+        if (are_all) glClearNamedFramebufferfv(framebuffer, GL_DEPTH, 0, &infinitely_far);
       }
       if (table.pages[k].face() != face) {
         face = table.pages[k].face();
@@ -90,6 +73,7 @@ class PageDrawer {
       for (const std::uint32_t bin : {2 * k, 2 * k + 1}) {
         const std::uint32_t begin = lists.bins.begin[bin], end = lists.bins.begin[bin + 1];
         if (begin == end) continue;
+        triangles += end - begin;
         const auto* const first = reinterpret_cast<const void*>(std::uintptr_t(begin) * 3 * sizeof(std::uint32_t));
         glDrawElementsInstancedBaseInstance(GL_TRIANGLES, static_cast<GLsizei>(3 * (end - begin)), GL_UNSIGNED_INT, first, 1,
                                             k);
@@ -99,10 +83,32 @@ class PageDrawer {
     glDisable(GL_DEPTH_TEST);
     glBindVertexArray(0);
     glNamedFramebufferTexture(framebuffer, GL_DEPTH_ATTACHMENT, 0, 0);
+    return {drawn.size(), triangles};
   }
   std::size_t bytes() const { return corners_.bytes() + placements_.bytes() + alpha_levels_.bytes(); }
 
  private:
+  static constexpr float infinitely_far = 0;
+
+  /// Layer after layer, for each new one makes drivers wait; of a layer in rising order, face after face.
+  static std::vector<std::uint32_t> drawn_pages(const PageTable& table, const PoolLayout& layout,
+                                                std::span<const std::uint8_t> kept) {
+    std::vector<std::uint32_t> drawn;
+    drawn.reserve(table.pages.size());
+    for (std::uint32_t k = 0; k < table.pages.size(); ++k)
+      if (kept.empty() || kept[k] == 0) drawn.push_back(k);
+    if (layout.layers > 1 && !layout.slots.empty())
+      std::ranges::stable_sort(drawn, {}, [&](std::uint32_t k) { return layout.place(k).z; });
+    return drawn;
+  }
+  static void clear(std::span<const std::uint32_t> pages, const PoolLayout& layout, const Texture& pool) {
+    const int size = layout.page_size;
+    for (const std::uint32_t k : pages) {
+      const glm::ivec3 place = layout.place(k);
+      glClearTexSubImage(pool.name(), 0, place.x * size, place.y * size, place.z, size, size, 1, GL_DEPTH_COMPONENT, GL_FLOAT,
+                         &infinitely_far);
+    }
+  }
   void bind_vertices(const SceneBuffers& buffers, const PageTable& table, const DrawLists& lists, int page_size) {
     corners_.rewrite(lists.corners);
     placements_.rewrite<glm::vec3>(table.pages.size(), [&](auto room) {

@@ -55,13 +55,6 @@ void DepthImages::use_alpha(AlphaRule rule) {
   second_.fit(*scene_, rule);
 }
 
-bool DepthImages::has_layers() const {
-  bool has_moving = false, has_still = false;
-  for (std::size_t m = 0; m < boxes_.meshes.size(); ++m)
-    if (boxes_.meshes[m].casts) (moving_.moves(m) ? has_moving : has_still) = true;
-  return has_moving && has_still;
-}
-
 void DepthImages::StillLayer::start_relight(const MovingMeshes& moving, const UpdateSetting& wanted) {
   is_wanted_ = wanted.keeps_layers();
   may_be_kept_ = moving.number().is_update_of(relit_);
@@ -77,7 +70,7 @@ std::size_t DepthImages::draw(const LightCamera& camera, Texture& target, StillL
   const bool is_kept = still.may_be_kept_ && moving_.number().is_update_of(still.drawn_) && still.faces_ == faces &&
                        still.rule_ == test.rule && still.camera_ == camera;
   still.drawn_ = {};  // until all is drawn
-  if (!still.is_wanted_ || !has_layers()) {
+  if (!still.is_wanted_ || !moving_.divide(boxes_)) {
     still.image_ = {};
     return draw(camera, target, faces, test);
   }

@@ -22,4 +22,11 @@ bool MovingMeshes::update(const Scene& scene, const Changes& changes) {
   return true;
 }
 
+bool MovingMeshes::divide(const MeshBoxes& boxes) const {
+  bool has_moving = false, has_still = false;
+  for (std::size_t m = 0; m < boxes.meshes.size(); ++m)
+    if (boxes.meshes[m].casts) (moves(m) ? has_moving : has_still) = true;
+  return has_moving && has_still;
+}
+
 }  // namespace gnomon

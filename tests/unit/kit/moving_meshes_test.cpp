@@ -31,6 +31,23 @@ TEST(moving_meshes, those_with_a_reach_move) {
   EXPECT_EQ(moving.bytes(), 3 * sizeof(Bounds));
 }
 
+TEST(moving_meshes, they_divide_casters_where_some_of_these_move_and_others_do_not) {
+  Scene scene = with_reach();
+  const auto divide = [&] {
+    MovingMeshes moving;
+    moving.build(scene);
+    return moving.divide(mesh_boxes(scene));
+  };
+  EXPECT_TRUE(divide());
+  scene.meshes[2].casts = false;
+  EXPECT_FALSE(divide()) << "no caster moves";
+  for (Mesh& mesh : scene.meshes) mesh.casts = &mesh == &scene.meshes[2];
+  EXPECT_FALSE(divide()) << "all casters move";
+  scene = walking_scene();
+  EXPECT_FALSE(divide());
+  EXPECT_FALSE(MovingMeshes().divide({})) << "before the first build";
+}
+
 TEST(moving_meshes, a_scene_at_rest_has_none_and_takes_no_memory) {
   MovingMeshes moving;
   moving.build(with_reach());

@@ -45,7 +45,7 @@ TEST(VirtualMapPages, levels_rise_until_there_is_room) {
     EXPECT_EQ(table.raised, raised);
     ASSERT_EQ(table.pages.size(), std::size_t(pages));
     EXPECT_TRUE(std::ranges::is_sorted(table.pages));
-    for (std::uint32_t k = 0; k < table.pages.size(); ++k) EXPECT_EQ(table.slot(table.pages[k]), k);
+    for (std::uint32_t k = 0; k < table.pages.size(); ++k) EXPECT_EQ(table.index(table.pages[k]), k);
     EXPECT_EQ(table.level_count(), 1);
   }
 }
@@ -68,6 +68,91 @@ TEST(VirtualMapPages, every_slot_has_a_place_of_its_own) {
       EXPECT_LE(layout.columns() * layout.rows * layout.layers,
                 static_cast<int>(count) + layout.columns() * (layout.layers + 1));
     }
+}
+
+/// Pages (x, y) of level 5, from (0, 0) to (side - 1, side - 1).
+std::vector<PageAddress> square_of_pages(int side) {
+  std::vector<PageAddress> pages;
+  for (int k = 0; k < side * side; ++k) pages.push_back(PageAddress::of(0, 5, {k % side, k / side}));
+  return pages;
+}
+
+// Steps are a quarter of the power of two below: 1 .. 8, 10, 12, 14, 16, 20 rows.
+TEST(VirtualMapPages, room_in_steps_is_up_to_a_quarter_more) {
+  for (const auto& [rows, stepped] : {std::pair(1, 1), {7, 7}, {8, 8}, {9, 10}, {13, 14}, {17, 20}, {64, 64}})
+    EXPECT_EQ(PoolLayout(std::size_t(16 * rows), 128, PoolLayout::Room::in_steps).rows, stepped);
+  for (const int page_size : {64, 128, 256})
+    for (const std::size_t count : {0, 100, 700, 5000, 32768}) {
+      const PoolLayout exact(count, page_size), stepped(count, page_size, PoolLayout::Room::in_steps);
+      EXPECT_GE(stepped.slot_count(), exact.slot_count());
+      EXPECT_LE(stepped.slot_count(), 1.25 * exact.slot_count() + stepped.columns() * stepped.layers);
+      EXPECT_LE(stepped.rows * page_size, PoolLayout::most_height);
+    }
+}
+
+// Also where each slot is taken: 400 pages of 128 fill 25 rows, of 28.
+TEST(VirtualMapPages, pages_with_slots_of_their_own_have_places_of_their_own) {
+  for (const int page_size : {64, 128, 256})
+    for (const int side : {4, 16, 20, 50}) {
+      const std::vector<PageAddress> pages = square_of_pages(side);
+      std::vector<std::uint8_t> moving(pages.size());
+      for (std::size_t k = 0; k < moving.size(); ++k) moving[k] = k % 3 == 0;
+      const PoolLayout layout(pages, page_size, moving);
+      std::set<std::uint32_t> words;
+      for (std::uint32_t k = 0; k < pages.size(); ++k) {
+        EXPECT_LT(layout.slot(k), layout.slot_count());
+        words.insert(layout.word(k));
+      }
+      EXPECT_EQ(words.size(), pages.size());
+    }
+}
+
+// Of 400 pages ten go and ten others come, as where something walks through the picture.
+TEST(VirtualMapPages, few_slots_change_with_other_pages) {
+  for (const int side : {16, 20}) {  // in rows that are all taken, and in some that are not
+    const std::vector<PageAddress> before = square_of_pages(side);
+    std::vector<PageAddress> after(before.begin() + 10, before.end());
+    for (int k = 0; k < 10; ++k) after.push_back(PageAddress::of(0, 5, {side + k, 3}));
+    std::ranges::sort(after);
+    const std::vector<std::uint8_t> moving(before.size());
+    const PageTable old_table{.pages = before}, table{.pages = after};
+    const PoolLayout old_layout(before, 128, moving), layout(after, 128, moving);
+    const std::vector<std::uint8_t> kept =
+        StillPages(old_table, old_layout, moving, AlphaRule::texel).kept(table, layout, moving, AlphaRule::texel);
+    EXPECT_GT(std::ranges::count(kept, 1), 0.75 * double(before.size())) << side;
+    for (std::uint32_t k = 0; k < table.pages.size(); ++k) {
+      const auto old = std::ranges::lower_bound(before, after[k]);
+      const bool stays = old != before.end() && *old == after[k] &&
+                         old_layout.place(static_cast<std::uint32_t>(old - before.begin())) == layout.place(k);
+      EXPECT_EQ(kept[k] != 0, stays) << side << ' ' << k;
+    }
+  }
+}
+
+TEST(VirtualMapPages, a_page_that_a_moving_caster_touches_does_not_stay) {
+  const PageTable table{.pages = square_of_pages(4)};
+  const std::size_t count = table.pages.size();
+  const auto kept = [&](std::span<const std::uint8_t> before, std::span<const std::uint8_t> after, AlphaRule rule) {
+    const PoolLayout old_layout(table.pages, 128, before), layout(table.pages, 128, after);
+    return StillPages(table, old_layout, before, AlphaRule::texel).kept(table, layout, after, rule);
+  };
+  std::vector<std::uint8_t> none(count), first(count), last(count);
+  first.front() = last.back() = 1;
+  EXPECT_EQ(std::ranges::count(kept(none, none, AlphaRule::texel), 1), std::ptrdiff_t(count));
+  EXPECT_EQ(std::ranges::count(kept(none, none, AlphaRule::mips), 1), 0);
+  for (const auto& [before, after] : {std::pair(first, last), {first, none}, {none, last}, {last, last}}) {
+    const std::vector<std::uint8_t> are_kept = kept(before, after, AlphaRule::texel);
+    for (std::size_t k = 0; k < count; ++k)
+      if (before[k] != 0 || after[k] != 0) {
+        EXPECT_EQ(are_kept[k], 0) << k;
+      }
+    EXPECT_GT(std::ranges::count(are_kept, 1), 0);
+  }
+  EXPECT_EQ(StillPages().kept(table, PoolLayout(table.pages, 128, none), none, AlphaRule::texel), none);
+  const std::vector<std::uint8_t> no_flags;  // of a scene in which nothing moves
+  const PoolLayout plain(table.pages, 128, no_flags);
+  EXPECT_TRUE(plain.slots.empty());
+  EXPECT_EQ(StillPages(table, plain, no_flags, AlphaRule::texel).bytes(), 0u);
 }
 
 // A ray from the light through a texel's center that meets a triangle must find it in the list of the texel's page. Among them

@@ -77,8 +77,6 @@ class DepthImages {
   bool is_drawn(Which which, std::uint32_t mesh) const {
     return which == Which::all || (which == Which::moving) == moving_.moves(mesh);
   }
-  /// Whether some casters move and others stand still.
-  bool has_layers() const;
   void copy_layer(const LightCamera& camera, const Texture& layer, Texture& target, bool only_where_casters_move) const;
 
   CasterPrograms first_, second_;

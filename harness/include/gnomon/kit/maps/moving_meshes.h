@@ -1,4 +1,5 @@
 #pragma once
+#include <gnomon/kit/maps/light_camera.h>
 #include <gnomon/technique.h>
 
 namespace gnomon {
@@ -19,6 +20,8 @@ class MovingMeshes {
   const Number& number() const { return number_; }
   /// Whether a mesh is none of those that stand still.
   bool moves(std::size_t mesh) const { return !reaches_.empty() && !reaches_[mesh].empty(); }
+  /// Whether some casters move and others stand still.
+  bool divide(const MeshBoxes& boxes) const;
   std::size_t bytes() const { return reaches_.size() * sizeof(Bounds); }
 
  private:
