@@ -74,6 +74,8 @@ void update_and_relight(benchmark::State& state, Scene scene, const std::string&
   state.counters["floor_ms"] = 1000 * of_redraw.median();
   state.counters["median_ms"] = 1000 * of_layers.median();
   state.counters["ratio"] = of_layers.median() / of_redraw.median();
+  for (const Count& count : layers->counts())
+    if (count.name == "filtered") state.counters["filtered_texels"] = count.value;  // of the last frame
   state.counters["cpu_ratio"] = of_layers.cpu_median() / of_redraw.cpu_median();
   state.SetLabel(scene.lights[light].name);
   release_inputs();

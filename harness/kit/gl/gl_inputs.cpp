@@ -24,6 +24,7 @@ double drained_ms(const Work& work) {
 struct SceneSlot {
   SceneStamp stamp;
   SceneBuffers buffers;
+  UploadedPositions positions;
 };
 
 /// A weak pointer keeps the control block of the G-buffer's storage, so that no later G-buffer can be taken for this one, and
@@ -162,15 +163,16 @@ GlLimits inputs_need(const Scene& scene, int width, int height) {
 const SceneBuffers& scene_buffers(const Scene& scene) {
   const SceneStamp wanted(scene);
   const auto is_wanted = [&](const SceneSlot& slot) {
-    return slot.stamp == wanted || (wanted.is_later_pose_of(slot.stamp) && can_take_positions(scene, slot.buffers));
+    return slot.stamp == wanted || (wanted.is_later_pose_of(slot.stamp) && can_take_positions(scene, slot.positions));
   };
   SceneSlot& slot = find_or_make(inputs().scenes, is_wanted, [&] {
-    SceneSlot made{wanted, upload_scene(scene)};
+    SceneSlot made{wanted, {}, {}};
+    made.buffers = upload_scene(scene, made.positions);
     uploaded_bytes += made.buffers.bytes;
     return made;
   });
   if (slot.stamp != wanted) {
-    uploaded_bytes += upload_positions(scene, slot.buffers);
+    uploaded_bytes += upload_positions(scene, slot.buffers, slot.positions);
     slot.stamp = wanted;
   }
   return slot.buffers;

@@ -1,9 +1,8 @@
 #include "kit/gl/gl_scene_buffers.h"
 
-#include <gnomon/kit/unset_vector.h>
-
 #include <bit>
 #include <cassert>
+#include <cstring>
 
 #include "kit/gl/gl_masks.h"
 
@@ -30,6 +29,22 @@ UnsetVector<glm::vec3> positions_of(const Scene& scene) {
   auto end = positions.begin();
   for (const Mesh& mesh : scene.meshes) end = std::ranges::copy(mesh.positions, end).out;
   return positions;
+}
+
+bool have_same_bits(const glm::vec3& a, const glm::vec3& b) { return std::memcmp(&a, &b, sizeof a) == 0; }
+
+/// Of vertices first .. end - 1.
+struct VertexRange {
+  std::size_t first = 0, end = 0;
+};
+
+/// The smallest range that holds all that differ; empty where none does.
+VertexRange differing(std::span<const glm::vec3> before, std::span<const glm::vec3> now) {
+  if (now.empty() || std::memcmp(before.data(), now.data(), now.size_bytes()) == 0) return {};
+  VertexRange range{0, now.size()};
+  while (have_same_bits(before[range.first], now[range.first])) ++range.first;
+  while (have_same_bits(before[range.end - 1], now[range.end - 1])) --range.end;
+  return range;
 }
 
 }  // namespace
@@ -66,7 +81,7 @@ SceneStamp::SceneStamp(const Scene& scene) : pose_number(scene.pose_number) {
   sample = where.hash;
 }
 
-SceneBuffers upload_scene(const Scene& scene) {
+SceneBuffers upload_scene(const Scene& scene, UploadedPositions& uploaded) {
   SceneBuffers buffers;
   std::size_t vertices = 0, triangles = 0;
   for (const Mesh& mesh : scene.meshes) {
@@ -76,7 +91,7 @@ SceneBuffers upload_scene(const Scene& scene) {
     vertices += mesh.positions.size();
     triangles += mesh.triangles.size();
   }
-  const UnsetVector<glm::vec3> positions = positions_of(scene);
+  UnsetVector<glm::vec3> positions = positions_of(scene);
   UnsetVector<glm::uvec3> corners(triangles);
   for (std::size_t m = 0; m < scene.meshes.size(); ++m) {
     const MeshRange& range = buffers.meshes[m];
@@ -86,6 +101,7 @@ SceneBuffers upload_scene(const Scene& scene) {
   // Drivers may keep what can be written again in slower memory.
   const GLbitfield flags = scene.motion ? GL_DYNAMIC_STORAGE_BIT : 0;
   buffers.positions = Buffer(positions.data(), positions.size() * sizeof(glm::vec3), flags);
+  uploaded = scene.motion ? std::move(positions) : UploadedPositions();
   buffers.triangles = Buffer(corners.data(), corners.size() * sizeof(glm::uvec3));
   buffers.vertex_array = make_vertex_array();
   const GLuint vao = buffers.vertex_array.name();
@@ -99,15 +115,34 @@ SceneBuffers upload_scene(const Scene& scene) {
   return buffers;
 }
 
-bool can_take_positions(const Scene& scene, const SceneBuffers& buffers) {
-  return scene.motion && buffers.positions.bytes == vertex_count(scene) * sizeof(glm::vec3);
+bool can_take_positions(const Scene& scene, const UploadedPositions& uploaded) {
+  return scene.motion && uploaded.size() == vertex_count(scene);
 }
 
-std::size_t upload_positions(const Scene& scene, SceneBuffers& buffers) {
-  const UnsetVector<glm::vec3> positions = positions_of(scene);
-  const std::size_t bytes = positions.size() * sizeof(glm::vec3);
-  assert(can_take_positions(scene, buffers));
-  if (bytes > 0) glNamedBufferSubData(buffers.positions.name(), 0, static_cast<GLsizeiptr>(bytes), positions.data());
+std::size_t upload_positions(const Scene& scene, const SceneBuffers& buffers, UploadedPositions& uploaded) {
+  assert(can_take_positions(scene, uploaded));
+  std::size_t bytes = 0;
+  VertexRange waiting;  // of all vertices: ranges that touch go up by one call
+  const auto upload = [&] {
+    const std::size_t size = (waiting.end - waiting.first) * sizeof(glm::vec3);
+    if (size == 0) return;
+    glNamedBufferSubData(buffers.positions.name(), static_cast<GLintptr>(waiting.first * sizeof(glm::vec3)),
+                         static_cast<GLsizeiptr>(size), uploaded.data() + waiting.first);
+    bytes += size;
+  };
+  for (std::size_t m = 0; m < scene.meshes.size(); ++m) {
+    const std::span<const glm::vec3> now = scene.meshes[m].positions;
+    const std::size_t first = buffers.meshes[m].first_vertex;
+    const VertexRange range = differing(std::span(uploaded).subspan(first, now.size()), now);
+    if (range.first == range.end) continue;
+    std::ranges::copy(now.subspan(range.first, range.end - range.first), uploaded.begin() + first + range.first);
+    if (waiting.end != first + range.first) {
+      upload();
+      waiting.first = first + range.first;
+    }
+    waiting.end = first + range.end;
+  }
+  upload();
   return bytes;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 // Private to the inputs of OpenGL: what tells a scene from another one, and its triangles on the device.
 #include <gnomon/kit/gl/gl.h>
+#include <gnomon/kit/unset_vector.h>
 
 namespace gnomon {
 
@@ -18,11 +19,16 @@ struct SceneStamp {
   bool is_later_pose_of(const SceneStamp& other) const { return identity == other.identity && pose_number > other.pose_number; }
 };
 
+/// The vertices that buffers hold, in memory: what a new pose is compared with. Empty where a scene cannot move. It is a mirror
+/// of the harness's own buffers, and counts as nobody's memory.
+using UploadedPositions = UnsetVector<glm::vec3>;
+
 /// The triangles of a scene. Those of a scene with motion can be moved.
-SceneBuffers upload_scene(const Scene& scene);
-/// Whether these buffers, of what has the scene's identity, can take its vertices.
-bool can_take_positions(const Scene& scene, const SceneBuffers& buffers);
-/// Writes all vertices of a scene where its buffers have them; the rest stays. Returns how many bytes.
-std::size_t upload_positions(const Scene& scene, SceneBuffers& buffers);
+SceneBuffers upload_scene(const Scene& scene, UploadedPositions& uploaded);
+/// Whether these vertices, of what has the scene's identity, can be moved to where the scene has them.
+bool can_take_positions(const Scene& scene, const UploadedPositions& uploaded);
+/// Writes vertices of a scene where its buffers have them: of each mesh the range that holds all whose bits differ. The rest
+/// stays. Returns how many bytes.
+std::size_t upload_positions(const Scene& scene, const SceneBuffers& buffers, UploadedPositions& uploaded);
 
 }  // namespace gnomon

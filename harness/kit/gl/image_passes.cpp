@@ -41,8 +41,9 @@ void require_floats(const ImageKind& kind) {
     throw Error("image of format {:#x}: a mean of whole numbers is none; summed-area tables take them", kind.format);
 }
 
-/// The beginning of every program: `Texel` with as many channels as the format has, `load` and `store`. Layers lie along z.
-std::string head(const ImageKind& kind) {
+/// The beginning of every program: `Texel` with as many channels as the format has, `load` and `store`. Layers lie along z,
+/// from the first one or from one that a program names.
+std::string head(const ImageKind& kind, const std::string& layer = "gl_GlobalInvocationID.z") {
   const FormatFacts& facts = facts_of(kind.format);
   const auto text = [&](const char* of_one, const char* of_two, const char* of_four) {
     return facts.channels == 1 ? of_one : facts.channels == 2 ? of_two : of_four;
@@ -58,7 +59,7 @@ layout(binding = 1) writeonly uniform {7}{2} to;
 )",
                      group_lanes, facts.name, kind.has_layers ? "image2DArray" : "image2D",
                      facts.is_whole ? text("uint", "uvec2", "uvec4") : text("float", "vec2", "vec4"),
-                     kind.has_layers ? "ivec3(at, gl_GlobalInvocationID.z)" : "at", text("r", "rg", "rgba"),
+                     kind.has_layers ? "ivec3(at, " + layer + ")" : "at", text("r", "rg", "rgba"),
                      text("vec4(texel, 0, 0, 0)", "vec4(texel, 0, 0)", "vec4(texel)"), number);
 }
 
@@ -98,9 +99,10 @@ int strip_length(GLenum format) { return channel_count(format) == 4 ? 4 : 8; }
 /// One pass of a blur, every load and product written out.
 std::string blur_source(const ImageKind& kind, std::span<const float> weights, bool along_x) {
   const int radius = static_cast<int>(weights.size()) - 1, strip = strip_length(kind.format);
-  std::string text = head(kind) + "void main() {\n";
-  text +=
-      fmt::format("  ivec2 at = ivec2(gl_GlobalInvocationID.xy) * ivec2({}, {});\n", along_x ? strip : 1, along_x ? 1 : strip);
+  std::string text = head(kind, "int(gl_GlobalInvocationID.z) + first_layer");
+  text += "uniform int first_x, first_y, first_layer;\nvoid main() {\n";
+  text += fmt::format("  ivec2 at = ivec2(gl_GlobalInvocationID.xy) * ivec2({}, {}) + ivec2(first_x, first_y);\n",
+                      along_x ? strip : 1, along_x ? 1 : strip);
   text += fmt::format("  int last = imageSize(from).{} - 1;\n  Texel texel;\n", along_x ? "x" : "y");
   for (int k = 0; k < strip; ++k) text += fmt::format("  Texel sum{} = Texel(0);\n", k);
   for (int d = -radius; d < strip + radius; ++d) {
@@ -189,18 +191,27 @@ void Blur::setup(const ImageKind& kind, Weights weights, int radius) {
   if (radius < 1 || radius > most_radius) throw Error("blur radius = {} is outside 1 .. {} texel", radius, most_radius);
   require_floats(kind);
   kind_ = kind;
+  radius_ = radius;
   const std::vector<float> each = blur_weights(weights, radius);
   rows_ = Program::compute("blur of rows", blur_source(kind, each, true));
   columns_ = Program::compute("blur of columns", blur_source(kind, each, false));
 }
 
-void Blur::run_along(bool x, const Texture& from, const Texture& to) const {
+// Groups of lanes begin where a tile does and end within it or at its end, so that none computes texels of another tile.
+static_assert(Blur::tile_width % (8 * group_lanes) == 0 && Blur::tile_height % 8 == 0);
+
+void Blur::run_along(bool x, const Texture& from, const Texture& to, const LayerRectangle& first, int layers) const {
   const int strip = strip_length(kind_.format);
   const auto strips = [&](int count) { return (count + strip - 1) / strip; };
-  glUseProgram((x ? rows_ : columns_).name());
+  const PixelRectangle& texels = first.texels;
+  const int width = texels.right - texels.left, height = texels.bottom - texels.top;
+  const Program& program = x ? rows_ : columns_;
+  program.set("first_x", texels.left);
+  program.set("first_y", texels.top);
+  program.set_if_used("first_layer", first.layer);
+  glUseProgram(program.name());
   bind(from, 0, to, 0);
-  const int columns = x ? strips(from.width) : from.width, rows = x ? from.height : strips(from.height);
-  glDispatchCompute(groups(columns), rows, layer_count(from));
+  glDispatchCompute(groups(x ? strips(width) : width), x ? height : strips(height), layers);
 }
 
 void Blur::run(const Texture& from, Texture& to) {
@@ -208,9 +219,25 @@ void Blur::run(const Texture& from, Texture& to) {
   const StateGuard guard;
   between_.fit(from.format, from.width, from.height, from.layers);
   fit_size(to, from);
-  run_along(true, from, between_);
+  const LayerRectangle all{0, {0, 0, from.width, from.height}};
+  run_along(true, from, between_, all, layer_count(from));
   end_pass();
-  run_along(false, between_, to);
+  run_along(false, between_, to, all, layer_count(from));
+  end_passes();
+}
+
+void Blur::run(const Texture& from, const Texture& to, std::span<const LayerRectangle> within) {
+  assert(is_of(kind_, from) && is_of(kind_, to) && from.name() != to.name());
+  const StateGuard guard;
+  between_.fit(from.format, from.width, from.height, from.layers);
+  // Rectangles may be neighbors: rows that both need are computed twice, alike.
+  for (LayerRectangle rows : within) {
+    rows.texels.top = std::max(rows.texels.top - radius_, 0);
+    rows.texels.bottom = std::min(rows.texels.bottom + radius_, from.height);
+    run_along(true, from, between_, rows, 1);
+  }
+  end_pass();
+  for (const LayerRectangle& texels : within) run_along(false, between_, to, texels, 1);
   end_passes();
 }
 

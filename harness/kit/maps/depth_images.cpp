@@ -70,6 +70,7 @@ std::size_t DepthImages::draw(const LightCamera& camera, Texture& target, StillL
   const bool is_kept = still.may_be_kept_ && moving_.number().is_update_of(still.drawn_) && still.faces_ == faces &&
                        still.rule_ == test.rule && still.camera_ == camera;
   still.drawn_ = {};  // until all is drawn
+  still.was_kept_ = false;
   if (!still.is_wanted_ || !moving_.divide(boxes_)) {
     still.image_ = {};
     return draw(camera, target, faces, test);
@@ -82,6 +83,7 @@ std::size_t DepthImages::draw(const LightCamera& camera, Texture& target, StillL
   still.rule_ = test.rule;
   still.faces_ = faces;
   still.drawn_ = moving_.number();
+  still.was_kept_ = is_kept;
   return triangles;
 }
 

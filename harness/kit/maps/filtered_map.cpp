@@ -97,6 +97,7 @@ void FilteredMap::setup() {
 
 void FilteredMap::build(const Scene& scene) {
   made_->scene = &scene;
+  made_->unblurred = {};
   made_->depth_images.build(scene, alpha.rule(), glass.as());
   made_->glass_difference = {scene, glass.as()};
 }
@@ -110,6 +111,7 @@ void FilteredMap::relight(const Light& light) {
   const StateGuard guard;
   light_ = light;
   images_.still.start_relight(made_->depth_images.moving(), update_by);
+  if (!update_by.keeps_layers()) made_->unblurred = {};
   made_->depth_images.use_alpha(alpha.rule());
   if (fit.is("scene")) draw_images(fit_to_scene(light, made_->depth_images.boxes(), resolution, used_prefilter().margin()));
   glFinish();
@@ -123,32 +125,82 @@ void FilteredMap::draw_images(LightCamera&& camera) {
 
 std::size_t FilteredMap::draw(Images& images, const HoleTest& test) const {
   const std::size_t triangles = made_->depth_images.draw(camera_, images.depths, images.still, DepthImages::Faces::lit, test);
-  const Prefilter filter = used_prefilter();
-  const bool has_levels = filter.kind == Prefilter::Kind::mips;
+  const Prefilter by = used_prefilter();
+  const bool has_levels = by.kind == Prefilter::Kind::mips;
   Texture& means = images.means;
-  means.fit(format(), resolution, resolution, std::max(camera_.layer_count, 1), has_levels ? filter.last_level() + 1 : 1);
+  means.fit(format(), resolution, resolution, std::max(camera_.layer_count, 1), has_levels ? by.last_level() + 1 : 1);
   if (!has_table()) {
     glTextureParameteri(means.name(), GL_TEXTURE_MIN_FILTER, has_levels ? GL_LINEAR_MIPMAP_LINEAR : GL_LINEAR);
     glTextureParameteri(means.name(), GL_TEXTURE_MAG_FILTER, GL_LINEAR);
   }
+  filter(images);
+  return triangles;
+}
+
+std::string FilteredMap::filter_settings() const {
+  std::string all;
+  for (const Parameter* const parameter : parameters())
+    if (parameter->spoils() < Stage::resolve) all += parameter->text() + ",";
+  return all;
+}
+
+void FilteredMap::filter(Images& images) const {
+  Texture& means = images.means;
+  const int radius = is_blurred() ? blur_radius.value() : 0;
+  std::optional<std::vector<LayerRectangle>> only;
+  if (has_table() || !images.still.is_used())
+    images.moved = {};
+  else
+    only = images.moved.start(made_->depth_images, images.still, camera_, filter_settings(), radius);
+  images.filtered_texels = only ? 0 : double(resolution) * resolution * camera_.layer_count;
+  if (only)
+    for (const auto& [layer, texels] : *only)
+      images.filtered_texels += double(texels.right - texels.left) * (texels.bottom - texels.top);
+  if (is_blurred() && images.still.is_used()) {
+    Texture& unblurred = made_->unblurred;
+    unblurred.fit(means.format, means.width, means.height, means.layers);
+    encode(images.depths, unblurred, only ? &*only : nullptr, radius);
+    if (only)
+      made_->blur.run(unblurred, means, *only);
+    else
+      made_->blur.run(unblurred, means);
+  } else {
+    encode(images.depths, means, only ? &*only : nullptr, radius);
+    if (is_blurred()) made_->blur.run(means, means);
+  }
+  if (used_prefilter().kind == Prefilter::Kind::mips) made_->mips.run(means);
+  if (has_table()) made_->table.run(means, means);
+  images.moved.end();
+}
+
+void FilteredMap::encode(const Texture& depths, const Texture& to, const std::vector<LayerRectangle>* only, int around) const {
   const Program& program = made_->encode_programs[camera_.space.is_parallel() ? 0 : 1];
+  const GLuint framebuffer = made_->framebuffer.name();
   set_constants(program);
   program.set_if_used("to_one", texel().to_one);
-  glBindTextureUnit(3, images.depths.name());
+  glBindTextureUnit(3, depths.name());
   glUseProgram(program.name());
-  glBindFramebuffer(GL_FRAMEBUFFER, made_->framebuffer.name());
+  glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
   glViewport(0, 0, resolution, resolution);
+  if (only) glEnable(GL_SCISSOR_TEST);
   for (const LightImage& image : camera_.images) {
     if (image.layer < 0) continue;
-    glNamedFramebufferTextureLayer(made_->framebuffer.name(), GL_COLOR_ATTACHMENT0, means.name(), 0, image.layer);
-    program.set_if_used("image", glm::vec4(image.layer, image.near, image.far, filter.whole()));
-    draw_full_screen();
+    glNamedFramebufferTextureLayer(framebuffer, GL_COLOR_ATTACHMENT0, to.name(), 0, image.layer);
+    program.set_if_used("image", glm::vec4(image.layer, image.near, image.far, used_prefilter().whole()));
+    if (!only) {
+      draw_full_screen();
+      continue;
+    }
+    for (const auto& [layer, texels] : *only) {
+      if (layer != image.layer) continue;
+      const int left = std::max(texels.left - around, 0), top = std::max(texels.top - around, 0);
+      glScissor(left, top, std::min(texels.right + around, resolution.value()) - left,
+                std::min(texels.bottom + around, resolution.value()) - top);
+      draw_full_screen();
+    }
   }
-  glNamedFramebufferTexture(made_->framebuffer.name(), GL_COLOR_ATTACHMENT0, 0, 0);
-  if (is_blurred()) made_->blur.run(means, means);
-  if (has_levels) made_->mips.run(means);
-  if (has_table()) made_->table.run(means, means);
-  return triangles;
+  glDisable(GL_SCISSOR_TEST);
+  glNamedFramebufferTexture(framebuffer, GL_COLOR_ATTACHMENT0, 0, 0);
 }
 
 void FilteredMap::resolve(const GBuffer& gbuffer, VisibilityMask& mask) {
@@ -173,13 +225,15 @@ void FilteredMap::look_up(const Images& images, unsigned target) const {
 
 Counts FilteredMap::counts() const {
   const double texels = double(resolution) * resolution * camera_.layer_count;
-  // The blur's own image is as large as that which it blurs.
-  const double shared_bytes = double(made_->depth_images.bytes() + (is_blurred() ? images_.means.bytes : 0));
-  return {
-      {"texels", texels, "texel"},
-      {"faces", double(camera_.layer_count), ""},
-      {"triangles", double(drawn_triangles_), ""},
-      {"bytes", double(images_.depths.bytes + images_.still.bytes() + images_.means.bytes) + made_.own(shared_bytes), "byte"}};
+  // The blur's own image is as large as that which it blurs, and so is the one that it takes where there are layers.
+  const std::size_t blurred_bytes = is_blurred() ? images_.means.bytes * (images_.still.is_used() ? 2 : 1) : 0;
+  const double bytes = double(images_.depths.bytes + images_.still.bytes() + images_.means.bytes + images_.moved.bytes());
+  Counts counts = {{"texels", texels, "texel"},
+                   {"faces", double(camera_.layer_count), ""},
+                   {"triangles", double(drawn_triangles_), ""},
+                   {"bytes", bytes + made_.own(double(made_->depth_images.bytes() + blurred_bytes)), "byte"}};
+  if (images_.still.is_used()) counts.push_back({"filtered", images_.filtered_texels, "texel"});
+  return counts;
 }
 
 void FilteredMap::start_questions() const {

@@ -6,9 +6,15 @@ namespace gnomon {
 
 void MovingMeshes::build(const Scene& scene) {
   reaches_.clear();
+  places_.clear();
   const auto has_reach = [](const Mesh& mesh) { return !mesh.reach.empty(); };
   if (std::ranges::any_of(scene.meshes, has_reach))
-    for (const Mesh& mesh : scene.meshes) reaches_.push_back(mesh.reach);
+    for (const Mesh& mesh : scene.meshes) {
+      reaches_.push_back(mesh.reach);
+      places_.emplace_back();
+      if (has_reach(mesh)) places_.back().add(mesh.positions);
+    }
+  moved_at_.assign(reaches_.size(), 0);
   number_ = {number_.builds + 1, 0};
 }
 
@@ -19,6 +25,11 @@ bool MovingMeshes::update(const Scene& scene, const Changes& changes) {
     if (changes.meshes[m].kind != MeshChange::Kind::still && !moves(m)) return false;
   }
   ++number_.updates;
+  for (std::size_t m = 0; m < reaches_.size(); ++m) {
+    if (changes.meshes[m].kind == MeshChange::Kind::still) continue;
+    places_[m] = changes.meshes[m].after;
+    moved_at_[m] = number_.updates;
+  }
   return true;
 }
 

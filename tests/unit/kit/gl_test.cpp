@@ -151,45 +151,6 @@ TEST_F(Gl, inputs_are_uploaded_once_and_found_again) {
   release_inputs();
 }
 
-std::vector<glm::vec3> positions_on_device(const SceneBuffers& buffers) {
-  std::vector<glm::vec3> positions(buffers.positions.bytes / sizeof(glm::vec3));
-  glGetNamedBufferSubData(buffers.positions.name(), 0, static_cast<GLsizeiptr>(buffers.positions.bytes), positions.data());
-  return positions;
-}
-
-// The box rises by 1 m; the vertices that a look at some of them would see stay.
-TEST_F(Gl, a_new_pose_writes_the_vertices_into_the_same_buffers) {
-  Scene scene = box_on_ground();
-  scene.motion = std::make_shared<const Motion>();
-  const GLuint positions = scene_buffers(scene).positions.name(), triangles = scene_buffers(scene).triangles.name();
-  const std::uint64_t before = uploaded_scene_bytes();
-  scene.meshes[1].positions[1].y += 1;
-  EXPECT_EQ(uploaded_scene_bytes(), before);
-  ++scene.pose_number;
-  EXPECT_EQ(uploaded_scene(scene), nullptr) << "it has not got this pose";
-  const SceneBuffers& buffers = scene_buffers(scene);
-  EXPECT_EQ(buffers.positions.name(), positions);
-  EXPECT_EQ(buffers.triangles.name(), triangles);
-  EXPECT_EQ(uploaded_scene_bytes(), before + (4 + 8) * 12u) << "all vertices, no triangles";
-  EXPECT_EQ(positions_on_device(buffers)[4 + 1], scene.meshes[1].positions[1]);
-  EXPECT_EQ(uploaded_scene(scene), &scene_buffers(scene));
-  EXPECT_EQ(uploaded_scene_bytes(), before + (4 + 8) * 12u) << "once";
-  forget_scene(scene);
-  EXPECT_EQ(uploaded_scene(scene), nullptr);
-  release_inputs();
-}
-
-// Without motion nobody moves vertices but an edit, whose triangles may be others.
-TEST_F(Gl, another_pose_number_of_a_scene_without_motion_is_another_scene) {
-  Scene scene = box_on_ground();
-  const GLuint positions = scene_buffers(scene).positions.name();
-  scene.meshes[1].positions[1].y += 1;
-  ++scene.pose_number;
-  EXPECT_NE(scene_buffers(scene).positions.name(), positions);
-  EXPECT_EQ(positions_on_device(scene_buffers(scene))[4 + 1], scene.meshes[1].positions[1]);
-  release_inputs();
-}
-
 TEST_F(Gl, images_of_a_picture_stay_in_a_new_pose_and_depth_is_drawn_again) {
   Scene scene = box_on_ground();
   scene.motion = std::make_shared<const Motion>();

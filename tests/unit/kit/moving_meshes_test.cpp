@@ -28,7 +28,7 @@ TEST(moving_meshes, those_with_a_reach_move) {
   EXPECT_FALSE(moving.moves(0));
   EXPECT_FALSE(moving.moves(1));
   EXPECT_TRUE(moving.moves(2));
-  EXPECT_EQ(moving.bytes(), 3 * sizeof(Bounds));
+  EXPECT_EQ(moving.bytes(), 3 * (2 * sizeof(Bounds) + sizeof(std::uint64_t)));
 }
 
 TEST(moving_meshes, they_divide_casters_where_some_of_these_move_and_others_do_not) {
@@ -72,6 +72,28 @@ TEST(moving_meshes, an_update_holds_where_reaches_are_as_they_were_and_what_has_
   EXPECT_FALSE(moving.update(scene, changes_of(scene, {}))) << "it stands still";
   moving.build(scene);
   EXPECT_TRUE(moving.update(scene, changes_of(scene, {})));
+}
+
+TEST(moving_meshes, places_are_those_of_the_last_update_that_moved_a_mesh) {
+  const Scene scene = with_reach();
+  MovingMeshes moving;
+  moving.build(scene);
+  const MovingMeshes::Number built = moving.number();
+  EXPECT_EQ(moving.place(2).max, glm::vec3(0, 1.5f, 0.25f));
+  EXPECT_FALSE(moving.moved_after(2, built));
+  Changes changes = changes_of(scene, {2});
+  changes.meshes[2].after.add({5, 6, 7});
+  ASSERT_TRUE(moving.update(scene, changes));
+  const MovingMeshes::Number moved = moving.number();
+  EXPECT_EQ(moving.place(2).max, glm::vec3(5, 6, 7));
+  EXPECT_TRUE(moving.moved_after(2, built));
+  ASSERT_TRUE(moving.update(scene, changes_of(scene, {})));
+  EXPECT_EQ(moving.place(2).max, glm::vec3(5, 6, 7)) << "it stood still";
+  EXPECT_TRUE(moving.moved_after(2, built));
+  EXPECT_FALSE(moving.moved_after(2, moved));
+  moving.build(scene);
+  EXPECT_EQ(moving.place(2).max, glm::vec3(0, 1.5f, 0.25f));
+  EXPECT_FALSE(moving.moved_after(2, moving.number()));
 }
 
 TEST(moving_meshes, numbers_tell_updates_from_builds_and_from_nothing) {

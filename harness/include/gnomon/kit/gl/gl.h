@@ -261,8 +261,9 @@ GlLimits inputs_need(const Scene& scene, int width, int height);
 
 /// The triangles of a scene: uploaded at the first request after they changed, looked up after. A technique requests them in
 /// `build`, whose time so includes the upload; what holds them counts among its memory. Where vertices of a scene with motion
-/// were moved in place (Scene::pose_number), the first request after it writes all vertices into the same buffers, for
-/// `update`; indices, uv, masks and transmissions stay. The last few scenes are held: request again in every stage and keep no
+/// were moved in place (Scene::pose_number), the first request after it writes those that differ into the same buffers, for
+/// `update`, a range of each mesh; indices, uv, masks and transmissions stay. The harness keeps the vertices of such a scene in
+/// memory to compare with, and counts this as nobody's. The last few scenes are held: request again in every stage and keep no
 /// reference from one to the next.
 const SceneBuffers& scene_buffers(const Scene& scene);
 /// The same without an upload; null where no request came since the scene changed.

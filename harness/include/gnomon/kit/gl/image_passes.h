@@ -28,6 +28,13 @@ struct StoredRounding {
 };
 StoredRounding stored_rounding(GLenum format);
 
+/// Texels of one layer.
+struct LayerRectangle {
+  int layer = 0;
+  PixelRectangle texels;
+  bool operator==(const LayerRectangle&) const = default;
+};
+
 /// Every texel becomes a weighted mean of the (2 radius + 1)^2 around it, first along rows, then along columns. Beyond the
 /// border the texel at the border counts. The weights are those of `blur_weights`. Source: Donnelly and Lauritzen 2006, who
 /// blur a variance map in this way. Error: below (2 radius + 3) * 2^-23 of the largest absolute value in the window (2 radius
@@ -43,13 +50,20 @@ class Blur {
   /// Level 0 of `to`, which may be `from`, gets level 0 of `from` blurred. When it has another size it is made new, with one
   /// level.
   void run(const Texture& from, Texture& to);
+  /// The same of these texels alone; `to`, of that size, keeps the others, and is not `from`. Of `from`, texels up to the
+  /// radius beside them are read. Each texel is computed as in a whole image. Rectangles begin and end at multiples of a tile
+  /// or at the border.
+  void run(const Texture& from, const Texture& to, std::span<const LayerRectangle> within);
+  static constexpr int tile_width = 128, tile_height = 32;  ///< texels
   /// Of the image between the two passes, as large as the last one that was blurred.
   std::size_t bytes() const { return between_.bytes; }
 
  private:
-  void run_along(bool x, const Texture& from, const Texture& to) const;
+  /// `layers` of them from that of the rectangle on.
+  void run_along(bool x, const Texture& from, const Texture& to, const LayerRectangle& first, int layers) const;
 
   ImageKind kind_;
+  int radius_ = 0;
   Program rows_, columns_;
   Texture between_;
 };

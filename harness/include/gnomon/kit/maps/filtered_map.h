@@ -1,6 +1,7 @@
 #pragma once
 #include <gnomon/kit/maps/light_map.h>
 #include <gnomon/kit/maps/map_causes.h>
+#include <gnomon/kit/maps/moved_tiles.h>
 #include <gnomon/kit/maps/prefilter.h>
 #include <gnomon/kit/shared.h>
 
@@ -74,7 +75,12 @@ class FilteredMap : public Technique {
                                                  "Answers up to this are dark, and the rest is stretched to 0 .. 1.");
   AlphaSetting alpha{this, Stage::relight};
   GlassSetting glass{this};
-  UpdateSetting update_by{this};
+  UpdateSetting update_by{
+      this,
+      "Where some casters move and others do not: layers draws those that stand still into an image of their own. The first "
+      "relight after an update, or the resolve after it where that draws, keeps this image, draws the others over a copy of it, "
+      "and encodes and blurs only tiles whose texels they may have changed; levels and tables are made anew. redraw draws and "
+      "filters all."};
 
   /// What all lights share: a member of it each technique passes to `another`.
   struct Made {
@@ -82,6 +88,7 @@ class FilteredMap : public Technique {
     std::array<Program, 2> encode_programs;  // parallel rays, and rays from a center
     std::array<Program, light_projection_count> resolve_programs;
     Blur blur;
+    Texture unblurred;  // where images have layers, in the place of what the blur takes from the means
     MipChain mips;
     SummedAreaTable table;
     Framebuffer framebuffer;
@@ -99,10 +106,18 @@ class FilteredMap : public Technique {
   struct Images {
     Texture depths, means;
     DepthImages::StillLayer still;  // of the depths
+    MovedTiles moved;               // of the means
+    double filtered_texels = 0;     // by the last drawing
   };
   void draw_images(LightCamera&& camera);
   /// Draws the images of the present camera; answers how many triangles were drawn.
   std::size_t draw(Images& images, const HoleTest& test) const;
+  /// Makes means of the depths: of all, or of what may differ from those of the drawing before.
+  void filter(Images& images) const;
+  /// What means are taken of: all texels, or those of rectangles and as many as `around` beside them.
+  void encode(const Texture& depths, const Texture& to, const std::vector<LayerRectangle>* only, int around) const;
+  /// The values of all parameters that means depend on.
+  std::string filter_settings() const;
   void look_up(const Images& images, unsigned target) const;
   std::vector<float> answer(const Images& images) const;
   /// What of `alpha` explains a wrong pixel of the last resolve; empty where nothing does.

@@ -76,6 +76,9 @@ struct LightExtent {
   }
 };
 
+/// What of a solid box is seen through a face; where rays start at the light, within |x|, |y| <= tangent * z.
+LightExtent seen_of(const LightSpaceFace& face, const Bounds& box, double tangent);
+
 /// How a picture is divided by depth, each slice with an image of its own; of lights with one face.
 struct ViewSlices {
   static constexpr int most = 4;

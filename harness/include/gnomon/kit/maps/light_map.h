@@ -27,6 +27,11 @@ class DepthImages {
     /// resolve after that relight may. Before the first call there are no layers, nor without `wanted`.
     void start_relight(const MovingMeshes& moving, const UpdateSetting& wanted);
     std::size_t bytes() const { return image_.bytes; }
+    /// Whether the last drawing was by layers.
+    bool is_used() const { return image_.bytes > 0; }
+    /// Whether the last drawing kept it: but for what is drawn over it, the image differs from that of the drawing before only
+    /// where casters that moved were and are.
+    bool was_kept() const { return was_kept_; }
     /// The technique draws more than casters into the image: all of it is copied anew each time.
     bool is_drawn_over = false;
 
@@ -37,7 +42,7 @@ class DepthImages {
     AlphaRule rule_ = AlphaRule::texel;
     Faces faces_ = Faces::lit;
     MovingMeshes::Number drawn_, relit_;  // of what the layer shows, and of what was relit last
-    bool is_wanted_ = false, may_be_kept_ = false;
+    bool is_wanted_ = false, may_be_kept_ = false, was_kept_ = false;
   };
 
   /// Compiles; needs the context.

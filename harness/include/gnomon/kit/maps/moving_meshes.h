@@ -22,10 +22,16 @@ class MovingMeshes {
   bool moves(std::size_t mesh) const { return !reaches_.empty() && !reaches_[mesh].empty(); }
   /// Whether some casters move and others stand still.
   bool divide(const MeshBoxes& boxes) const;
-  std::size_t bytes() const { return reaches_.size() * sizeof(Bounds); }
+  /// Where the vertices of a mesh that moves are now.
+  const Bounds& place(std::size_t mesh) const { return places_[mesh]; }
+  /// Whether its vertices moved after `earlier`, since which nothing but updates came.
+  bool moved_after(std::size_t mesh, const Number& earlier) const { return moved_at_[mesh] > earlier.updates; }
+  std::size_t bytes() const { return reaches_.size() * (2 * sizeof(Bounds) + sizeof(std::uint64_t)); }
 
  private:
-  std::vector<Bounds> reaches_;  // none where no mesh moves
+  // None where no mesh moves.
+  std::vector<Bounds> reaches_, places_;
+  std::vector<std::uint64_t> moved_at_;  // numbers of updates
   Number number_;
 };
 
@@ -33,11 +39,12 @@ class MovingMeshes {
 /// it on to DepthImages::StillLayer::start_relight.
 class UpdateSetting {
  public:
-  explicit UpdateSetting(Parametrized* owner)
-      : how_(owner, "update", "layers", {"layers", "redraw"}, Stage::relight,
-             "Where some casters move and others do not: layers draws those that stand still into an image of their own. The "
-             "first relight after an update, or the resolve after it where that draws, keeps this image, and draws the others "
-             "over a copy of it. redraw draws all. What is made of the depths is made anew.") {}
+  explicit UpdateSetting(Parametrized* owner, std::string_view sentence = depths_alone)
+      : how_(owner, "update", "layers", {"layers", "redraw"}, Stage::relight, sentence) {}
+  static constexpr std::string_view depths_alone =
+      "Where some casters move and others do not: layers draws those that stand still into an image of their own. The first "
+      "relight after an update, or the resolve after it where that draws, keeps this image, and draws the others over a copy of "
+      "it. redraw draws all. What is made of the depths is made anew.";
 
   bool keeps_layers() const { return how_.is("layers"); }
 
