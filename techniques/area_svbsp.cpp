@@ -86,6 +86,11 @@ class AreaSvbsp final : public Technique {
   }
   void setup() override {}
   void build(const Scene& scene) override { *built_ = Casters(masks.cut(scene)); }
+  /// Keeps the pieces that masks were cut into, where these stand still.
+  void update(const Scene& scene, const Changes& changes) override {
+    if (!built_->cut.follow(changes)) return build(scene);
+    if (!changes.empty()) *built_ = Casters(std::move(built_->cut));
+  }
   void relight(const Light& light) override {
     light_ = light;
     body_ = body_of(light);

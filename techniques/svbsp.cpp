@@ -3,7 +3,9 @@
 //
 // A polygon is filtered down the tree of those before it; what comes to an OUT cell is lit, and the shadow planes of its edges
 // turn that part of the cell into IN. All shadow planes hold the light, so the tree is one of lines in what the light sees.
-// After cuts no shadow plane is made of an edge that lies on one already. Three orders of polygons:
+// After cuts no shadow plane is made of an edge that lies on one already.
+// Where the scene moves, the first relight after an update grows only those tiles anew in which something moved.
+// Three orders of polygons:
 //   bsp          the published one: front to back from the light by a regular BSP tree of the scene, which cuts polygons;
 //   face_planes  any order, with the polygon's own plane as the last of its IN cell;
 //   tiles        tiles as the light sees them, split as long as that leaves fewer polygons in each, and in each one the nearest
@@ -70,28 +72,50 @@ class Svbsp final : public PointTechnique {
     built_->cut = masks.cut(original);
     const Scene& scene = built_->cut.scene();
     remember(scene);
+    built_->number += 2;
+    built_->moved.assign(scene.meshes.size(), 0);
     built_->triangles.clear();
     built_->triangles.reserve(scene.triangle_count());
-    built_->bounds = {};
     for_triangles(scene, [&](const glm::vec3& a, const glm::vec3& b, const glm::vec3& c, std::uint32_t mesh, std::uint32_t) {
       built_->triangles.push_back({{{a, b, c}}, mesh});
-      if (scene.meshes[mesh].casts)
-        for (const glm::vec3& p : {a, b, c}) built_->bounds.add(p);
     });
-    built_->bsp.reset();
-    built_->drawn_bsp.reset();
-    if (order.is("bsp")) built_->bsp.emplace(scene, bsp_options());
+    find_bounds();
+    make_regular_tree();
+  }
+
+  void update(const Scene& original, const Changes& changes) override {
+    if (!built_->cut.follow(changes)) return build(original);
+    built_->number += 1;
+    std::ranges::fill(built_->moved, 0);
+    const Scene& scene = *remembered_->scene;
+    for (std::uint32_t m = 0; m < changes.meshes.size(); ++m) {
+      if (changes.meshes[m].kind == MeshChange::Kind::still) continue;
+      built_->moved[m] = 1;
+      SceneTriangle* next = &built_->triangles[remembered_->numbers.first_of(m)];
+      for (std::size_t t = 0; t < scene.meshes[m].triangles.size(); ++t) *next++ = {scene.meshes[m].corners(t), m};
+    }
+    find_bounds();
+    if (!changes.empty()) make_regular_tree();
   }
 
   void relight(const Light& light) override {
-    light_ = light;
     const glm::dvec4 at = homogeneous(light);
-    space_ = ProjectedSpace(at, built_->bounds);
+    const ProjectedSpace space(at, built_->bounds);
+    // After one update, under the very light of the last relight, tiles in which nothing moved stay.
+    Moved moved;
+    if (built_->number == number_ + 1 && !built_->bsp && at == at_ && space == space_)
+      moved = {built_->triangles, built_->moved};
+    number_ = 0;
+    light_ = light;
+    at_ = at;
+    space_ = space;
+    if (!moved.empty()) forest_.leave(pieces_, moved);
     find_facing(built_->triangles, at, signs_);
     polygon_count_ = 0;
     for (std::uint32_t i = 0; i < built_->triangles.size(); ++i) polygon_count_ += casts(i);
-    make_pieces(at);
-    forest_.grow(space_, pieces_, facing(), static_cast<Forest::Order>(order.index()), rules(), built_->bounds.extent());
+    make_pieces(at, moved);
+    forest_.grow(space_, pieces_, facing(), static_cast<Forest::Order>(order.index()), rules(), built_->bounds.extent(), moved);
+    number_ = built_->number;
   }
 
   void resolve(const GBuffer& gbuffer, VisibilityMask& mask) override {
@@ -189,20 +213,39 @@ class Svbsp final : public PointTechnique {
   }
   Rules rules() const {
     const auto drop = static_cast<Drop>(drop_edges.index());
-    return {.epsilon = {}, .drop = drop, .tile_size = static_cast<std::size_t>(tile_size)};
+    return {.epsilon = {}, .drop = drop, .tile_size = static_cast<std::size_t>(tile_size), .is_followed = built_->is_in_motion};
   }
   bool casts(std::uint32_t triangle) const {
     return signs_[triangle] != 0 && signs_[built_->cut.source(triangle)] != 0 &&
            remembered_->scene->meshes[built_->triangles[triangle].mesh].casts;
   }
-  void make_pieces(const glm::dvec4& light) {
+  /// The bounds of casters hold all places that they come to, so that what depends on them stays while they move.
+  void find_bounds() {
+    const Scene& scene = *remembered_->scene;
+    built_->bounds = {};
+    for (const SceneTriangle& triangle : built_->triangles)
+      if (scene.meshes[triangle.mesh].casts) built_->bounds.add(triangle.points);
+    built_->is_in_motion = false;
+    for (const Mesh& mesh : scene.meshes) {
+      if (!mesh.casts || mesh.reach.empty()) continue;
+      built_->is_in_motion = true;
+      built_->bounds.add(mesh.reach);
+    }
+  }
+  void make_regular_tree() {
+    built_->bsp.reset();
+    built_->drawn_bsp.reset();
+    if (order.is("bsp")) built_->bsp.emplace(*remembered_->scene, bsp_options());
+  }
+  void make_pieces(const glm::dvec4& light, const Moved& moved) {
     if (!built_->bsp) {
-      pieces_.make(space_, facing(), built_->triangles.size(), [&](std::size_t i, Corner* scratch) -> Pieces::Part {
+      const auto corners_of = [&](std::size_t i, Corner* scratch) -> Pieces::Part {
         const auto triangle = static_cast<std::uint32_t>(i);
         if (!casts(triangle)) return {triangle, {}};
         for (int k = 0; k < 3; ++k) scratch[k] = {glm::dvec3(built_->triangles[i].points[k]), own_edge};
         return {triangle, {scratch, 3}};
-      });
+      };
+      pieces_.make(space_, facing(), built_->triangles.size(), corners_of, moved);
       return;
     }
     front_to_back_.clear();
@@ -278,14 +321,19 @@ class Svbsp final : public PointTechnique {
 
   struct Built {
     CutMasks cut;
-    Bounds bounds;                         // of the casters
+    Bounds bounds;                         // of the casters, and of all places that they come to
     std::vector<SceneTriangle> triangles;  // of all meshes
+    std::vector<std::uint8_t> moved;       // of each mesh, whether the last update moved it
+    bool is_in_motion = false;             // whether a caster follows an animation
+    std::uint64_t number = 0;              // of the geometry: 1 more with each update, 2 more with each build
     std::optional<Bsp> bsp;                // for order=bsp
     std::optional<Bsp> drawn_bsp;          // for pictures only
   };
   Shared<Built> built_;
   std::vector<const BspPolygon*> front_to_back_;
   std::vector<std::int8_t> signs_;
+  std::uint64_t number_ = 0;  // of the geometry of the last relight
+  glm::dvec4 at_{0};          // of that relight's light
   ProjectedSpace space_;
   Pieces pieces_;
   Forest forest_;

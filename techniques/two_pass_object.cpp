@@ -53,6 +53,11 @@ class TwoPassObject final : public PointTechnique {
     triangles_.build(masks.cut(scene));
     remember(triangles_.scene());
   }
+  void update(const Scene& scene, const Changes& changes) override {
+    if (!triangles_.follow(changes)) return build(scene);
+    map_.clear();
+    is_lit_up_ = false;
+  }
   void relight(const Light& light) override {
     light_ = light;
     triangles_.relight(homogeneous(light));

@@ -17,6 +17,8 @@ struct Rules {
   std::size_t tile_size = 16;  ///< pieces of a tile on average; those with more are split. 0: no tiles
   /// With more pieces in all tiles together, those behind one that covers the tile are left out before any tree is made.
   std::uint64_t very_many = 1 << 25;
+  bool is_followed = false;  ///< the scene moves: tiles are made so that those where nothing moved can stay
+  bool operator==(const Rules&) const = default;
 };
 
 /// Work of making a tree.

@@ -2,61 +2,59 @@
 #include <gnomon/error.h>
 #include <gnomon/kit/random.h>
 
+#include <array>
 #include <atomic>
 
 #include "builder.h"
+#include "tiles.h"
 
 namespace gnomon::svbsp {
-
-/// Equal tiles over what a light sees of the casters on one face, each with a tree of its own; a single one where there are no
-/// tiles.
-struct Grid {
-  glm::dvec2 low{0}, high{0}, step{0}, per_step{0};  ///< per_step is 1 / step
-  int columns = 0, rows = 0;
-  std::uint32_t first = 0;  ///< tile, of all faces
-
-  bool is_empty() const { return columns == 0; }
-  /// Borders belong to the grid, and what is as near to them as `epsilon`.
-  bool holds(const glm::dvec3& p, double epsilon) const {
-    return p.x >= low.x - epsilon && p.x <= high.x + epsilon && p.y >= low.y - epsilon && p.y <= high.y + epsilon;
-  }
-  int column(double x) const { return std::clamp(static_cast<int>((x - low.x) * per_step.x), 0, columns - 1); }
-  int row(double y) const { return std::clamp(static_cast<int>((y - low.y) * per_step.y), 0, rows - 1); }
-  std::uint32_t tile(int column, int row) const { return first + static_cast<std::uint32_t>(row * columns + column); }
-  double column_side(int k) const { return k == columns ? high.x : low.x + k * step.x; }
-  double row_side(int k) const { return k == rows ? high.y : low.y + k * step.y; }
-};
-
-/// Calls visit(tile, low, high) for the tiles of a piece's bounds, with their corners.
-inline void for_tiles_of(const Piece& piece, const Grid& grid, const auto& visit) {
-  const int left = grid.column(piece.low.x), right = grid.column(piece.high.x), bottom = grid.row(piece.high.y);
-  for (int row = grid.row(piece.low.y); row <= bottom; ++row)
-    for (int column = left; column <= right; ++column)
-      visit(grid.tile(column, row), glm::dvec2(grid.column_side(column), grid.row_side(row)),
-            glm::dvec2(grid.column_side(column + 1), grid.row_side(row + 1)));
-}
 
 /// The SVBSP trees of a light: one for each tile of each face.
 class Forest {
  public:
   enum class Order { tiles, bsp, face_planes };  ///< as svbsp.order has them
 
+  /// Marks the tiles where something will have moved, before its pieces are made anew.
+  void leave(const Pieces& pieces, const Moved& moved) {
+    touched_.assign(end_, 0);
+    touch(pieces, moved);
+  }
+
   /// `extent` is the largest coordinate of the casters, in meters. On all threads; the outcome does not depend on their number.
-  void grow(const ProjectedSpace& space, const Pieces& pieces, const Facing& facing, Order order, Rules rules, double extent) {
-    lay_grids(pieces, order == Order::tiles ? rules.tile_size : 0);
+  /// Where it is known what moved, and `leave` was told before, the trees of tiles in which nothing moved stay. They are those
+  /// that would be grown.
+  void grow(const ProjectedSpace& space, const Pieces& pieces, const Facing& facing, Order order, Rules rules, double extent,
+            const Moved& moved = {}) {
+    rules.is_followed &= order == Order::tiles;
+    const std::array<Grid, 6> grids = grids_;
+    lay_grids(pieces, order == Order::tiles ? rules.tile_size : 0, rules.is_followed);
     glm::dvec2 size(0);
     for (const Grid& grid : grids_)
       if (!grid.is_empty()) size = glm::max(size, grid.high - grid.low);
     epsilon_ = rules.epsilon = space.epsilons(std::max(size.x, size.y), extent);
     rules.is_ordered = order == Order::bsp;
+    bool keeps = rules.is_followed && !moved.empty() && !touched_.empty() && grids_ == grids && rules == rules_;
+    keeps &= covers_.empty();
     sort_into_tiles(pieces, epsilon_.across, rules.very_many);
+    keeps &= covers_.empty();
+    rules_ = rules;
 
-    roots_.assign(end_, out_cell);
+    kept_count_ = 0;
+    if (keeps) {
+      touch(pieces, moved);
+      kept_count_ = tile_count() - static_cast<std::size_t>(std::ranges::count(touched_, 1));
+    } else {
+      touched_.clear();
+      roots_.assign(end_, out_cell);
+      tiles_.resize(rules.is_followed ? end_ : 0);
+    }
     bins_.resize(end_ / bin_size);
     for (int face = 0; face < 6; ++face)
       for (std::uint32_t tile = grids_[face].first; tile < (face < 5 ? grids_[face + 1].first : end_); tile += bin_size)
         bins_[tile / bin_size].face = face;
     for_blocks(bins_.size(), 1, [&](std::size_t bin, std::size_t) { grow_bin(bin, space, pieces, facing, order, rules); });
+    touched_.clear();
   }
 
   /// For a point of light space: its tile's tree, or an OUT cell where there are no tiles. A cut at the border of a face
@@ -88,6 +86,8 @@ class Forest {
     for (const Grid& grid : grids_) sum += static_cast<std::size_t>(grid.columns) * grid.rows;
     return sum;
   }
+  /// Tiles that the last growth kept as they were.
+  std::size_t kept_tile_count() const { return kept_count_; }
   /// Pieces left out of tiles because one covers the tile before them.
   std::uint64_t covered_count() const { return covered_; }
   std::size_t node_count() const {
@@ -111,7 +111,7 @@ class Forest {
   }
 
   std::size_t bytes() const {
-    std::size_t sum = bytes_of(bins_, roots_, ends_, sorted_, covers_);
+    std::size_t sum = bytes_of(bins_, roots_, tiles_, ends_, sorted_, covers_);
     for (const Bin& bin : bins_) sum += bytes_of(bin.nodes);
     return sum;
   }
@@ -125,10 +125,23 @@ class Forest {
     TreeWork work;
     int face = 0;
   };
+  /// What is remembered of a tile where the scene moves.
+  struct Tile {
+    std::size_t first = 0;  ///< node of its bin; its nodes are those up to the next tile's
+    TreeWork work;
+  };
   static constexpr double tiles_per_piece = 64;  ///< at most on average: copies of one triangle, say, lie in all tiles
 
+  void touch(const Pieces& pieces, const Moved& moved) {
+    for (int face = 0; face < 6; ++face)
+      for (const Piece& piece : pieces.of_face(face))
+        if (moved(piece.triangle))
+          for_tiles_of(piece, grids_[face],
+                       [&](std::uint32_t tile, const glm::dvec2&, const glm::dvec2&) { touched_[tile] = 1; });
+  }
+
   /// Tiles with `tile_size` pieces on average; one tile for each face where that is 0.
-  void lay_grids(const Pieces& pieces, std::size_t tile_size) {
+  void lay_grids(const Pieces& pieces, std::size_t tile_size, bool is_followed) {
     std::uint32_t next = 0;
     for (int face = 0; face < 6; ++face) {
       Grid& grid = grids_[face];
@@ -144,6 +157,7 @@ class Forest {
         lengths += box;
         areas += box.x * box.y;
       }
+      if (is_followed) grid.round_outwards();
       const glm::dvec2 size = glm::max(grid.high - grid.low, glm::dvec2(1e-200));  // of a lone piece without width
       const auto count = static_cast<double>(here.size());
       for (double wanted = tile_size > 0 ? std::min(count / static_cast<double>(tile_size), 0x1p22) : 1;; wanted /= 2) {
@@ -237,17 +251,31 @@ class Forest {
   }
   void grow_bin(std::size_t number, const ProjectedSpace& space, const Pieces& pieces, const Facing& facing, Order order,
                 const Rules& rules) {
+    const std::uint32_t first = static_cast<std::uint32_t>(number) * bin_size;
+    const bool keeps = !touched_.empty();
+    if (keeps && std::none_of(&touched_[first], &touched_[first] + bin_size, [](std::uint8_t touched) { return touched; }))
+      return;
     Bin& bin = bins_[number];
+    std::vector<Node> before;
+    if (keeps) before.swap(bin.nodes);
     bin.nodes.clear();
     bin.work = {};
+    TreeWork work;  // of one tile
     const Grid& grid = grids_[bin.face];
     const std::span<const Piece> here = pieces.of_face(bin.face);
     const auto plane = [&](std::uint32_t triangle) { return facing.plane(space, bin.face, triangle); };
-    Tiler tiler(space, rules, plane, bin.nodes, bin.work);
-    Builder builder(space, rules, plane, bin.nodes, bin.work);
-    for (std::uint32_t tile = static_cast<std::uint32_t>(number) * bin_size; tile < (number + 1) * bin_size; ++tile) {
+    Tiler tiler(space, rules, plane, bin.nodes, work);
+    Builder builder(space, rules, plane, bin.nodes, work);
+    for (std::uint32_t tile = first; tile < first + bin_size; ++tile) {
+      if (keeps && touched_[tile] == 0) {
+        keep(tile, before, bin);
+        continue;
+      }
+      roots_[tile] = out_cell;
+      if (rules.is_followed) tiles_[tile] = {bin.nodes.size(), {}};
       const std::span<std::uint32_t> items{sorted_.data() + (tile == 0 ? 0 : ends_[tile - 1]), sorted_.data() + ends_[tile]};
       if (items.empty()) continue;
+      work = {};
       std::ranges::sort(items);
       if (order == Order::tiles) {
         const int column = static_cast<int>(tile - grid.first) % grid.columns,
@@ -260,18 +288,38 @@ class Forest {
         builder.start();
         for (const std::uint32_t i : items) builder.add(here[i].polygon(), here[i].triangle, roots_[tile]);
       }
+      bin.work += work;
+      if (rules.is_followed) tiles_[tile].work = work;
     }
   }
 
-  Grid grids_[6];
+  /// Takes over the tree of a tile from the nodes that its bin had before.
+  void keep(std::uint32_t tile, const std::vector<Node>& before, Bin& bin) {
+    const std::size_t first = tiles_[tile].first, last = (tile + 1) % bin_size == 0 ? before.size() : tiles_[tile + 1].first;
+    const Link shift = next_link(bin.nodes) - static_cast<Link>(first);
+    for (std::size_t i = first; i < last; ++i) {
+      bin.nodes.push_back(before[i]);
+      for (Link& link : bin.nodes.back().sides)
+        if (link >= 0) link += shift;
+    }
+    if (roots_[tile] >= 0) roots_[tile] += shift;
+    tiles_[tile].first = bin.nodes.size() - (last - first);
+    bin.work += tiles_[tile].work;
+  }
+
+  std::array<Grid, 6> grids_;
+  Rules rules_;  // of the last growth
   Epsilons epsilon_;
   std::uint32_t end_ = 0;  // of the tiles
   std::vector<Bin> bins_;
   std::vector<Link> roots_;            // of each tile
+  std::vector<Tile> tiles_;            // of each tile, where the scene moves
+  std::vector<std::uint8_t> touched_;  // of each tile, whether something in it moved; empty where all are grown
   std::vector<std::uint32_t> ends_;    // of each tile's pieces, in sorted_
   std::vector<std::uint32_t> sorted_;  // pieces of the tile's face
   std::vector<double> covers_;         // of each tile: z of what covers all of it, where that is farthest; or empty
   std::uint64_t covered_ = 0;
+  std::size_t kept_count_ = 0;
 };
 
 }  // namespace gnomon::svbsp

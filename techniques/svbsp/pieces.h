@@ -26,6 +26,20 @@ struct Facing {
   }
 };
 
+/// Which triangles moved since pieces and trees were made of them, where nothing else changed; empty: nothing is known.
+struct Moved {
+  std::span<const SceneTriangle> triangles;
+  std::span<const std::uint8_t> meshes;  ///< of each whether it moved
+
+  bool empty() const { return meshes.empty(); }
+  bool operator()(std::uint32_t triangle) const { return meshes[triangles[triangle].mesh] != 0; }
+  /// Whether one of the triangles begin .. end moved.
+  bool any(std::size_t begin, std::size_t end) const {
+    return std::ranges::any_of(triangles.subspan(begin, end - begin),
+                               [&](const SceneTriangle& triangle) { return meshes[triangle.mesh] != 0; });
+  }
+};
+
 /// The part of a convex polygon that lies on one face of light space, seen counter-clockwise there.
 struct Piece {
   const Corner* corners;
@@ -122,12 +136,14 @@ class Pieces {
   /// A triangle, and a part of it as corners in the world; no corners: left out.
   using Part = std::pair<std::uint32_t, std::span<const Corner>>;
   /// Of `count` polygons: polygon_at(i, scratch) gives each, perhaps in `scratch`, which has room for a triangle. On all
-  /// threads; the order of pieces is that of the polygons.
+  /// threads; the order of pieces is that of the polygons. Where it is known what moved, polygon i is triangle i, and blocks of
+  /// them in which nothing moved stay.
   void make(const ProjectedSpace& space, const Facing& facing, std::size_t count,
-            const std::function<Part(std::size_t i, Corner* scratch)>& polygon_at) {
+            const std::function<Part(std::size_t i, Corner* scratch)>& polygon_at, const Moved& moved = {}) {
     constexpr std::size_t block_size = 4096;
     blocks_.resize((count + block_size - 1) / block_size);
     for_blocks(count, block_size, [&](std::size_t begin, std::size_t end) {
+      if (!moved.empty() && !moved.any(begin, end)) return;
       Block& block = blocks_[begin / block_size];
       for (int face = 0; face < 6; ++face) {
         block.pieces[face].clear();

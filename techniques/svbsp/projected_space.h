@@ -14,6 +14,7 @@ namespace gnomon::svbsp {
 struct Epsilons {
   double across = 0;  ///< in x and y: meters for a directional light, tangents for a point light
   double meters = 0;  ///< from the plane of a triangle, in the world
+  bool operator==(const Epsilons&) const = default;
 };
 
 /// Light space in which planes stay planes, and z is how near a point is to the light: greater is nearer. x and y are a
@@ -33,6 +34,7 @@ class ProjectedSpace {
     space_ = LightSpace(LightSpaceFace{center, frame_of(u, v, -to), false});
   }
 
+  bool operator==(const ProjectedSpace&) const = default;
   int face_count() const { return space_.face_count(); }
   bool is_point() const { return !space_.is_parallel(); }
   int face_of(const glm::dvec3& p) const { return space_.face_of(p); }

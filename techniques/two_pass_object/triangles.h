@@ -42,6 +42,13 @@ class Triangles {
     });
   }
 
+  /// Keeps the pieces that masks were cut into. Returns false where what is cut moved: then all is to be built.
+  bool follow(const Changes& changes) {
+    if (!built_->cut.follow(changes)) return false;
+    if (!changes.empty()) build(std::move(built_->cut));
+    return true;
+  }
+
   /// The same triangles, to be lit by another light.
   Triangles for_guest() const {
     Triangles guest;

@@ -300,6 +300,19 @@ CutMasks::CutMasks(const Scene& scene, std::size_t most, Drawn drawn) : original
   }
 }
 
+bool CutMasks::follow(const Changes& changes) {
+  if (!cut_) return true;
+  const auto moves = [&](std::size_t m) { return changes.meshes[m].kind != MeshChange::Kind::still; };
+  for (std::size_t m = 0; m < changes.meshes.size(); ++m)
+    if (moves(m) && casts_with_holes(original_->meshes[m])) return false;
+  for (std::size_t m = 0; m < changes.meshes.size(); ++m) {
+    cut_->meshes[m].reach = original_->meshes[m].reach;
+    if (moves(m)) cut_->meshes[m].positions = original_->meshes[m].positions;
+  }
+  cut_->pose_number = original_->pose_number;
+  return true;
+}
+
 std::pair<std::uint32_t, std::uint32_t> CutMasks::pieces_of(std::uint32_t source) const {
   const auto number_of = [&](auto place) { return first_piece_ + static_cast<std::uint32_t>(place - sources_.begin()); };
   return {number_of(std::ranges::lower_bound(sources_, source)), number_of(std::ranges::upper_bound(sources_, source))};

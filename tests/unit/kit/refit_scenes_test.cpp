@@ -224,8 +224,8 @@ TEST(ExactScene, answers_after_updates_as_one_that_is_built_there) {
       EXPECT_EQ(exact.bytes(), built.bytes()) << frame;
       for (int k = 0; k < 200; ++k) {
         const Ray ray = random_ray(moving.scene, random);
-        const glm::dvec4 light = k % 2 ? glm::dvec4(glm::dvec3(ray.origin) + glm::dvec3(ray.direction), 1)
-                                       : glm::dvec4(glm::dvec3(ray.direction), 0);
+        const glm::dvec4 light =
+            k % 2 ? glm::dvec4(glm::vec3(ray.origin + ray.direction), 1) : glm::dvec4(glm::dvec3(ray.direction), 0);
         EXPECT_EQ(exact.occluded({ray.origin}, light, tally), built.occluded({ray.origin}, light, tally)) << frame;
         EXPECT_EQ(exact.edge_margin({ray.origin}, light, 0.01).clearance,
                   built.edge_margin({ray.origin}, light, 0.01).clearance)

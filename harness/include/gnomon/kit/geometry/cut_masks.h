@@ -1,4 +1,5 @@
 #pragma once
+#include <gnomon/changes.h>
 #include <gnomon/kit/bytes.h>
 #include <gnomon/scene.h>
 
@@ -40,6 +41,8 @@ class CutMasks {
   explicit CutMasks(const Scene& scene) : original_(&scene) {}
   /// Throws Error where there are more than `most` pieces.
   CutMasks(const Scene& scene, std::size_t most, Drawn drawn = Drawn::triangles);
+  /// Follows a scene that moved. Returns false, and does nothing, where what is cut moved: it is to be cut anew.
+  bool follow(const Changes& changes);
 
   const Scene& scene() const { return cut_ ? *cut_ : *original_; }
   /// The scene that it was made of.
