@@ -122,7 +122,7 @@ class StencilVolume final : public VolumeTechnique {
         return find_on_device(scene_buffers(*made_->scene), casters, l, wanted, !count.is("zpass_plus"), silhouette, faces);
       return find_faces(casters, l, wanted, may_keep ? &before : nullptr, silhouette, faces);
     };
-    number_ = own_->number;
+    number_ = 0;  // until all is found
     wanted_ = wanted;
     const Found opaque = find({made_->adjacency, own_->gpu_finder, own_->moved}, commands_, silhouette_, faces_);
     commands_ = opaque.commands;
@@ -138,6 +138,7 @@ class StencilVolume final : public VolumeTechnique {
       const std::vector<float> powers = powers_of(group.transmission, most_surfaces(group, glass.found));
       glass.powers = Buffer(powers.data(), powers.size() * sizeof(float));
     }
+    number_ = own_->number;
     glFinish();
   }
 

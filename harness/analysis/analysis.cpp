@@ -161,7 +161,16 @@ std::optional<ValueWithInterval> cost_of(const Record& record, Cost cost) {
 }
 
 Place place_of(const Record& r) {
-  return {r.scene, r.light, r.view, r.path, r.width, r.height, r.truth, r.start.value_or(0), r.frame_rate.value_or(0)};
+  return {r.scene,
+          r.light,
+          r.view,
+          r.path,
+          r.width,
+          r.height,
+          r.truth,
+          r.start.value_or(0),
+          r.frame_rate.value_or(0),
+          r.frame_count.value_or(0)};
 }
 
 std::string title(const Place& place, std::span<const Place> all) {
@@ -174,6 +183,7 @@ std::string title(const Place& place, std::span<const Place> all) {
   if (!place.path.empty()) text += ", path " + place.path;
   if (place.frame_rate > 0 && varies(&Place::start)) text += fmt::format(" from {} s", place.start);
   if (place.frame_rate > 0 && varies(&Place::frame_rate)) text += fmt::format(" at {} Hz", place.frame_rate);
+  if (place.frame_rate > 0 && varies(&Place::frame_count)) text += fmt::format(", {} frames", place.frame_count);
   if (varies(&Place::width) || varies(&Place::height)) text += fmt::format(", {} x {}", place.width, place.height);
   if (varies(&Place::truth)) text += fmt::format(", {} truth", name(place.truth));
   return text;

@@ -69,6 +69,7 @@ struct Place {
   int width = 0, height = 0;
   Truth truth = Truth::shape;
   double start = 0, frame_rate = 0;  ///< of a row whose geometry moves: seconds, and frames per second; else 0
+  int frame_count = 0;               ///< of such a row
   auto operator<=>(const Place&) const = default;
 };
 Place place_of(const Record& record);

@@ -80,8 +80,9 @@ void compare_contexts(Comparison& result, std::span<const Record> base, std::spa
 /// What rows are matched by: the job, or all that its hash would be made from.
 std::string key_of(const Record& record) {
   if (!record.job.empty()) return record.job;
-  return fmt::format("{}|{}|{}|{}|{}|{}x{}|{}|{}", record.scene, record.light, record.view, record.technique, record.settings,
-                     record.width, record.height, name(record.truth), record.path);
+  return fmt::format("{}|{}|{}|{}|{}|{}x{}|{}|{}|{} {} {}", record.scene, record.light, record.view, record.technique,
+                     record.settings, record.width, record.height, name(record.truth), record.path, record.start.value_or(0),
+                     record.frame_rate.value_or(0), record.frame_count.value_or(0));
 }
 
 /// Both runs were one run of two programs: they carry the same mark.

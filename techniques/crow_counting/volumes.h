@@ -44,11 +44,12 @@ class Volumes {
   void relight(const Light& light) {
     const auto triangle_count = static_cast<std::uint32_t>(adjacency().triangles().size());
     Refaced refaced{0, triangle_count};
-    if (built_->number == number_ + 1)
+    const bool may_keep = built_->number == number_ + 1;
+    number_ = 0;  // until all is found
+    if (may_keep)
       refaced = adjacency().find_silhouette(homogeneous(light), built_->moved, silhouette_);
     else
       adjacency().find_silhouette(homogeneous(light), silhouette_);
-    number_ = built_->number;
     if (!refaced.empty()) {
       caps_.erase(std::ranges::lower_bound(caps_, refaced.first), caps_.end());
       for (std::uint32_t t = refaced.first; t < triangle_count; ++t)
@@ -64,6 +65,7 @@ class Volumes {
     }
     polygons_.resize(count);
     outlines_.resize(count);
+    number_ = built_->number;
   }
 
   /// Makes all polygons as they are seen from a start.

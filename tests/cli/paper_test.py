@@ -134,7 +134,7 @@ class Paper(ProgramTest):
         # A field that the schema does not have is an error: whoever adds one writes it down.
         row = json.loads((self.small / "records.jsonl").read_text().splitlines()[0])
         self.assertFalse(check.is_valid({**row, "new_field": 1}))
-        of_paths = {"start", "frame_rate", "moving_stages", "kept_frames"}  # of rows that move
+        of_paths = {"start", "frame_rate", "frame_count", "moving_stages", "kept_frames"}  # of rows that move
         self.assertEqual(set(row) | of_paths, set(schema["properties"]))  # and none is described that nobody writes
 
 

@@ -30,6 +30,11 @@ inline Mesh numbered_backwards(Mesh mesh) {
   return mesh;
 }
 
+/// The scene is then one of a row that follows an animation.
+inline void follow_animation(Scene& scene) {
+  for (const Rig& rig : scene.motion->rigs) scene.meshes[rig.mesh].reach.add(scene.meshes[rig.mesh].positions);
+}
+
 /// Two boxes that stand still and share a face, and in 2 s of animation `move`
 ///   walker    stands at a face of the right one, and walks away from it by 2 m;
 ///   folder    is a cube of which one corner comes to another one, and goes back;
@@ -63,6 +68,7 @@ inline Scene touching_boxes() {
   scene.views = {{.name = "view", .eye = {1, 5, 7}, .target = {0, 0.5f, 0}}};
   for (std::uint32_t m = 0; m < mesh_count; ++m) scene.meshes[m].name = fmt::format("mesh_{}", m);
   finish_meshes(scene);
+  follow_animation(scene);
   return scene;
 }
 
@@ -72,7 +78,10 @@ inline std::vector<Scene> all_scenes() {
   scenes.push_back(generated::make("walking_boxes", "count=5"));
   scenes.push_back(generated::make("bending_tube", "rings=12,segments=8,joints=4"));
   scenes.push_back(generated::make("swarm", "count=40,reach=1.6"));
-  for (Scene& scene : scenes) finish_meshes(scene);
+  for (Scene& scene : scenes) {
+    finish_meshes(scene);
+    follow_animation(scene);
+  }
   return scenes;
 }
 

@@ -52,7 +52,10 @@ std::vector<float> trace(const RayScene& casters, const Scene& scene, const GBuf
 }
 
 /// The hash of the frame's pose; empty at rest.
-std::string pose_of(const Frame& frame) { return frame.pose ? frame.pose->hash : std::string(); }
+/// Of its exact shapes each animation leaves others.
+std::string pose_of(const Frame& frame) {
+  return frame.pose ? frame.pose->hash + " " + frame.pose->at.animation : std::string();
+}
 
 /// Why there is no reference under a frame's lights; empty when there is one.
 std::string obstacle(const Frame& frame) {

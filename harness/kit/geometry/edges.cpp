@@ -1,6 +1,7 @@
 #include <gnomon/kit/bytes.h>
 #include <gnomon/kit/geometry/edges.h>
 #include <gnomon/kit/geometry/joined_vertices.h>
+#include <gnomon/kit/geometry/refit.h>
 #include <gnomon/kit/parallel.h>
 
 #include <algorithm>
@@ -11,7 +12,7 @@ namespace gnomon {
 constexpr std::size_t edge_block = std::size_t{1} << 15;
 
 EdgeAdjacency::EdgeAdjacency(const Scene& scene, Joins joins)
-    : joins_by_rigs_(joins == Joins::in_every_pose && scene.motion != nullptr) {
+    : joins_by_rigs_(joins == Joins::in_every_pose && scene.motion && follows_animation(scene)) {
   std::vector<std::uint8_t> casts;  // of each vertex
   for (const Mesh& mesh : scene.meshes) {
     const auto base = static_cast<std::uint32_t>(positions_.size());

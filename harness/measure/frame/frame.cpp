@@ -137,8 +137,9 @@ std::string FrameStore::hash(const FrameKey& key, const Light* light, const Area
   fingerprint.name =
       fmt::format("{} {} {} {} {} {}", file_layout, frame_version(), scene_hash_, key.width, key.height, name(key.truth));
   fingerprint.views = {key.view};
-  // By positions alone: where two animations meet, they share a frame.
+  // By positions alone: where two animations meet, they share a frame. Which exact shapes are left, positions do not tell.
   if (key.pose) fingerprint.name += fmt::format(" pose {}", key.pose->hash);
+  if (key.pose && scene_.has_curved_shapes()) fingerprint.name += fmt::format(" of {}", key.pose->at.animation);
   if (light) {
     const bool is_soft = has_area(*light);
     fingerprint.name +=

@@ -53,7 +53,7 @@ static void for_each_field(MaybeConst<Record> auto& r, const auto& use) {
   use("job", r.job, "suite", r.suite, "scene", r.scene, "light", r.light, "light_kind", r.light_kind, "view", r.view);
   use("technique", r.technique, "settings", r.settings, "label", r.label, "role", r.role, "parameters", r.parameters);
   use("width", r.width, "height", r.height, "truth", r.truth, "path", r.path);
-  use("start", r.start, "frame_rate", r.frame_rate, "place", r.place);
+  use("start", r.start, "frame_rate", r.frame_rate, "frame_count", r.frame_count, "place", r.place);
   use("status", r.status, "support", r.support, "reason", r.reason);
   use("stages", r.stages, "moving_stages", r.moving_stages);
   use("device_stages", r.device_stages, "harness_stages", r.harness_stages);
@@ -82,7 +82,7 @@ void to_json(Json& json, const Record& r) {
   json["schema"] = record_schema;
   json.update(written(r));
   // The line of a row whose geometry stands still does not have them, nor that of a still the last one.
-  for (const char* key : {"start", "frame_rate", "moving_stages", "kept_frames"})
+  for (const char* key : {"start", "frame_rate", "frame_count", "moving_stages", "kept_frames"})
     if (json[key].empty()) json.erase(key);
   if (std::size(r.lights) == 1)
     for (const char* key : {"classes", "metrics", "causes", "cause_errors"}) json["lights"].front().erase(key);

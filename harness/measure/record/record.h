@@ -39,7 +39,8 @@ struct Record {
   std::string path;            ///< camera path, light path or animation that the row follows; empty: nothing moves
   /// Of a row whose geometry moves: seconds of the animation at its first frame, and frames per second.
   std::optional<double> start, frame_rate;
-  std::uint64_t place = 0;  ///< position in the expanded suite: the order of rows, also of merged shards
+  std::optional<int> frame_count;  ///< and how many there are
+  std::uint64_t place = 0;         ///< position in the expanded suite: the order of rows, also of merged shards
 
   Status status = Status::failed;
   std::optional<Support::Kind> support;  ///< nothing when the technique gave no answer

@@ -38,7 +38,8 @@ std::string objection(const Record& kept, const Record& fresh) {
   const std::string then = context_text(kept, "commit"), now = context_text(fresh, "commit");
   if (!then.empty() && then != now) return fmt::format("it holds rows of commit {}, and this program is {}", then, now);
   const std::string scene = context_text(kept, "scene_hash");
-  const bool is_alike = kept.scene == fresh.scene && kept.light == fresh.light && kept.start == fresh.start;
+  const bool is_alike =
+      kept.scene == fresh.scene && kept.light == fresh.light && kept.start.has_value() == fresh.start.has_value();
   if (is_alike && !scene.empty() && scene != context_text(fresh, "scene_hash"))
     return fmt::format("scene {} has changed since {} was run", fresh.scene, title(kept));
   if (kept.truth != fresh.truth) return fmt::format("its rows have the truth {}, not {}", name(kept.truth), name(fresh.truth));

@@ -29,6 +29,7 @@ int subpixel_bits_of(const Record& record) {
 }  // namespace
 
 int frame_count(const Record& record) {
+  if (record.frame_count) return *record.frame_count;
   std::size_t most = 1;
   for (const auto& [metric, values] : record.frames) most = std::max(most, values.size());
   return static_cast<int>(most);

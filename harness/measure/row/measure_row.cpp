@@ -169,6 +169,9 @@ std::optional<MeasuredRow> measure(Record& record, SceneRun& run, ContenderWorke
   if (first.path && first.path->moves != Path::Moves::camera)
     if (const std::string why = flicker_obstacle(first.path->frame_rate); !why.empty())
       record.notes.push_back(fmt::format("no flicker: {}", why));
+  // What a row counts does not depend on the rows before it, which leave updates behind.
+  if (first.path && first.path->moves == Path::Moves::geometry && worker.go(first, record.truth))
+    worker.client().time(Stage::build);
   RowMeasurement measurement(record, run, worker, first);
   for (RowFrame frame = first; frame.number < first.count(); ++frame.number) {
     if (!measurement.add(frame)) return std::nullopt;

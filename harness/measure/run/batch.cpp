@@ -239,6 +239,8 @@ class Batch {
       if (const auto known = builds_.find(build_of(*row)); stage == Stage::build && known != builds_.end()) {
         add_samples(row->record, Stage::build, known->second);
         row->record.iterations["build"] = static_cast<std::uint64_t>(known->second.iterations);
+        // Relight and resolve at the first frame are those after a build; the frames of a row before left updates behind.
+        if (row->job.times) attempt(*row, [&] { worker_of(*row).client().time(Stage::build); });
         continue;
       }
       if (attempt(*row, [&] { tasks.push_back(warm_up(*row, stage, others.emplace_back())); })) owners.push_back(row);
@@ -261,8 +263,7 @@ class Batch {
 
   /// Times the frames of rows whose geometry moves, interleaved; afterwards they are at their first frame again.
   void time_motion(const std::vector<PendingRow*>& group) {
-    const auto is_over = [](const PendingRow* row) { return row->over; };
-    if (std::ranges::all_of(group, is_over) || !group.front()->job.times) return;
+    if (!group.front()->job.times || std::ranges::all_of(group, &PendingRow::over)) return;
     const RowFrame first = first_frame(group.front()->job, run_.scene);
     MotionFrames frames(run_, first, suite_.truth);
     std::map<std::size_t, FrameOrder> orders;  // by contender, whose worker is at one frame for all its rows

@@ -222,6 +222,7 @@ Record start_record(const Job& job, const Suite& suite, const Scene* scene, cons
   if (job.times) {
     record.start = job.times->start;
     record.frame_rate = job.times->frame_rate;
+    record.frame_count = job.times->frames;
   }
   record.place = job.place;
   record.truth = suite.truth;

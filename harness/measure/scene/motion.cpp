@@ -72,7 +72,7 @@ glm::vec3 position_at(const Path& path, int frame) {
 }  // namespace
 
 Path find_path(const Scene& scene, const std::string& name, const Light& light, const View& view) {
-  std::vector<std::string> names = {"camera_slide", "light_slide"};
+  std::vector<std::string> names(std::begin(slide_names), std::end(slide_names));
   for (const Path& path : scene.paths) {
     if (path.name == name) return path;
     names.push_back(path.name);

@@ -2,8 +2,12 @@
 #include <gnomon/scene.h>
 
 #include <string>
+#include <string_view>
 
 namespace gnomon {
+
+/// Names of the paths that every scene has.
+inline constexpr std::string_view slide_names[] = {"camera_slide", "light_slide"};
 
 /// The path of this name: one of the scene's own, one of its animations (`Path::Moves::geometry`: at 60 frames a second from 0
 /// to the last key, 2 .. most_motion_frames frames), or a slide that every scene has, made for this light and view:

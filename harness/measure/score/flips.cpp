@@ -29,13 +29,16 @@ Flips::Counts match(Course& course, std::size_t window) {
     course.mask[flip] = course.reference[of_reference] = 0;
     return true;
   };
-  for (std::size_t distance = 0; distance <= std::min(window, frames - 1); ++distance)
-    for (std::size_t t = 0; t < frames; ++t) {
-      if (course.mask[t] == 0) continue;
+  std::vector<std::size_t> flips;
+  for (std::size_t t = 0; t < frames; ++t)
+    if (course.mask[t] != 0) flips.push_back(t);
+  for (std::size_t distance = 0; distance <= std::min(window, frames - 1) && !flips.empty(); ++distance)
+    std::erase_if(flips, [&](std::size_t t) {
       const bool is_taken = (t >= distance && take(t, t - distance)) || (t + distance < frames && take(t, t + distance));
       if (is_taken && distance > 0) ++counts.late;
-    }
-  for (const std::int8_t flip : course.mask) counts.unmatched += flip != 0;
+      return is_taken;
+    });
+  counts.unmatched += flips.size();
   return counts;
 }
 

@@ -150,6 +150,8 @@ TechniqueFrame::StageTime TechniqueFrame::time(Stage stage) {
   // A build reads all positions: for it what moved is taken and forgotten.
   const bool sees_meshes = stage == Stage::build || stage == Stage::update;
   const Changes changes = sees_meshes ? posed_->take_changes() : Changes();
+  // A stage that throws is due again; what moved is taken, so that only a build would see it.
+  fresh_ = std::min(fresh_, sees_meshes ? static_cast<int>(Stage::setup) : static_cast<int>(stage) - 1);
   if (uses_gl_) inputs_.prepare(stage, scenes(), gbuffer_);
   std::optional<CountedStage> counted(std::in_place, name(stage).data());
   const auto start = std::chrono::steady_clock::now();

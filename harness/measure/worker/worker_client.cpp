@@ -99,7 +99,9 @@ FrameReply WorkerClient::frame(const FrameRequest& request) {
   }
   question.pose = request.pose;
   pixel_count_ = static_cast<std::size_t>(request.width) * request.height;
-  const GoRequest::Reply reply = process_.ask(question, timeout_seconds_);
+  // The first pose of a row finds how far its meshes reach in all its frames.
+  const double patience = timeout_seconds_ * (request.pose ? 1 + request.pose->at.frames / 100.0 : 1);
+  const GoRequest::Reply reply = process_.ask(question, patience);
   fresh_count_ = reply.fresh;
   FrameReply result{.support = support_of(reply.support), .lights = {}, .floor = reply.floor, .shares = reply.shares};
   for (const SupportReply& light : reply.lights) result.lights.push_back(support_of(light));

@@ -19,6 +19,7 @@ std::string group_heading(const Record& r) {
   if (!r.view.empty()) text += fmt::format(", view {}", r.view);
   if (!r.path.empty()) text += fmt::format(", path {}", r.path);
   if (moves_geometry(r)) text += fmt::format(" from {} s at {} Hz", r.start.value_or(0), *r.frame_rate);
+  if (r.frame_count) text += fmt::format(", {} frames", *r.frame_count);
   if (r.width > 0) text += fmt::format(", {} x {}", r.width, r.height);
   return text + fmt::format(", {} truth", name(r.truth));
 }

@@ -24,6 +24,7 @@ Record moving() {
   r.path = "walk";
   r.start = 0;
   r.frame_rate = 59.94;
+  r.frame_count = 7;
   r.times(Stage::update) = {{3, 0.30000000000000004}};
   r.moving_times(Stage::relight) = {{0.5, 0.25}};
   r.moving_times(Stage::resolve) = {{1.25, 1.75}};
@@ -37,6 +38,7 @@ TEST(record_motion, fields_survive_writing_and_reading) {
   EXPECT_EQ(record_line(back), line);
   EXPECT_EQ(back.start, 0);
   EXPECT_EQ(back.frame_rate, 59.94);
+  EXPECT_EQ(back.frame_count, 7);
   for (const Stage stage : all_stages) {
     EXPECT_EQ(back.times(stage), moving().times(stage)) << name(stage);
     EXPECT_EQ(back.moving_times(stage), moving().moving_times(stage)) << name(stage);
@@ -56,7 +58,7 @@ TEST(record_motion, stages_are_written_by_name_and_only_where_they_were_timed) {
 // A line of schema 6 differs from today's in `schema` alone.
 TEST(record_motion, a_row_that_stands_still_has_none_of_the_fields) {
   const Json json = still();
-  for (const char* key : {"start", "frame_rate", "moving_stages"}) EXPECT_FALSE(json.contains(key)) << key;
+  for (const char* key : {"start", "frame_rate", "frame_count", "moving_stages"}) EXPECT_FALSE(json.contains(key)) << key;
   EXPECT_FALSE(json["stages"].contains("update"));
   const Record back = json.get<Record>();
   EXPECT_FALSE(back.start || back.frame_rate);

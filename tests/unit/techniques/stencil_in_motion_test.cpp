@@ -111,6 +111,7 @@ Scene two_sheets() {
   motion->animations = {{"walk", {{.node = 0, .times = {0, 1}, .values = {0, 0, 0, 1, 0, 0}}}}};
   motion->rigs = {rig_at_rest(scene, 2, 0)};
   scene.motion = motion;
+  scene.meshes[2].reach.add(scene.meshes[2].positions);
   return scene;
 }
 
