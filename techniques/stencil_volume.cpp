@@ -93,7 +93,7 @@ class StencilVolume final : public VolumeTechnique {
     });
   }
 
-  /// Which triangles share an edge stays. Masks are cut anew.
+  /// Which triangles share an edge stays. Where masks are cut, all is built.
   void update(const Scene& scene, const Changes& changes) override {
     const auto can_follow = [&](const EdgeAdjacency& adjacency) { return adjacency.can_follow(changes); };
     if (own_->cut.is_cut() || !can_follow(made_->adjacency)) return build(scene);

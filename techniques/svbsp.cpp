@@ -4,7 +4,8 @@
 // A polygon is filtered down the tree of those before it; what comes to an OUT cell is lit, and the shadow planes of its edges
 // turn that part of the cell into IN. All shadow planes hold the light, so the tree is one of lines in what the light sees.
 // After cuts no shadow plane is made of an edge that lies on one already.
-// Where the scene moves, the first relight after an update grows only those tiles anew in which something moved.
+// Where the scene moves, with order=tiles the first relight after an update grows only those tiles anew in which something
+// moved.
 // Three orders of polygons:
 //   bsp          the published one: front to back from the light by a regular BSP tree of the scene, which cuts polygons;
 //   face_planes  any order, with the polygon's own plane as the last of its IN cell;
