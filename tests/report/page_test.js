@@ -99,7 +99,7 @@ test("on paper: light, whole tables, nothing to click", async () => {
 function changedRun(name, change) {
   const dir = join(home, name);
   mkdirSync(dir);
-  cpSync(join(run, "masks"), join(dir, "masks"), { recursive: true });
+  for (const folder of ["masks", "frames"]) cpSync(join(run, folder), join(dir, folder), { recursive: true });
   const lines = readFileSync(join(run, "records.jsonl"), "utf8").trim().split("\n");
   writeFileSync(join(dir, "records.jsonl"), lines.map((line) => JSON.stringify(change(JSON.parse(line))) + "\n").join(""));
   return dir;
