@@ -109,7 +109,8 @@ class Scales {
 
 // From 6 thousand triangles to 400 thousand, until it takes half a second or holds 64 MiB. Both figures may be off by 8 MiB:
 // arenas, drivers and libraries keep memory of their own. A software driver also keeps the memory of a draw, and frees it at
-// any later time: the median of three measurements has to agree.
+// any later time: the median of three measurements has to agree. Where each of them holds or frees such memory, 40 MiB of a
+// picture that is blended, the mean of eight does: in their sum only the first and the last are left.
 void reported_bytes(Trial& trial) {
   if (is_sanitized) return trial.does_not_apply("the sanitizer multiplies memory");
   if (trial.uses_gl() && !process_context().info().is_software())
@@ -120,20 +121,29 @@ void reported_bytes(Trial& trial) {
   if (const auto first = scales.measure(40); first && first->is_elsewhere)
     return trial.does_not_apply("it holds its memory in a process of its own");
   for (const int segments : {80, 160, 320, 640}) {
+    const double floor = 8 * MiB + (trial.uses_gl() ? 64.0 * segments * segments : 0);
     std::vector<Figures> measured;
     std::string texts;
-    for (int k = 0; k < 3; ++k) {
-      const auto figures = scales.measure(segments);
-      if (!figures) return;
-      measured.push_back(*figures);
-      texts += (k > 0 ? "; " : "") + figures->text;
+    double growth = 0;
+    const auto holds_more = [&] { return growth > 2 * measured.front().reported + floor; };
+    const auto holds_less = [&] { return measured.front().reported > 2 * growth + floor; };
+    for (const int times : {3, 8}) {
+      while (std::ssize(measured) < times) {
+        const auto figures = scales.measure(segments);
+        if (!figures) return;
+        texts += (measured.empty() ? "" : "; ") + figures->text;
+        measured.push_back(*figures);
+      }
+      std::ranges::sort(measured, {}, &Figures::growth);
+      double sum = 0;
+      for (const Figures& figures : measured) sum += figures.growth;
+      growth = times == 3 ? measured[1].growth : sum / times;
+      if (!holds_more() && !holds_less()) break;
     }
-    std::ranges::sort(measured, {}, &Figures::growth);
-    const Figures& median = measured[1];
-    const double floor = 8 * MiB + (trial.uses_gl() ? 64.0 * segments * segments : 0);
-    trial.expect(median.growth <= 2 * median.reported + floor, "it holds more than it reports: " + texts);
-    trial.expect(median.reported <= 2 * median.growth + floor, "it reports more than it holds: " + texts);
-    if (median.seconds > 0.5 || median.reported > 64 * MiB) break;
+    trial.expect(!holds_more(), "it holds more than it reports: " + texts);
+    trial.expect(!holds_less(), "it reports more than it holds: " + texts);
+    std::ranges::sort(measured, {}, &Figures::seconds);
+    if (measured[measured.size() / 2].seconds > 0.5 || measured.front().reported > 64 * MiB) break;
   }
 }
 
