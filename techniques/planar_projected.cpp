@@ -56,7 +56,6 @@ struct Projection : PlaneProjection {
   std::vector<std::uint32_t> casters = {};
   /// Of these the closed ones that nothing clips, whose lit side casts all of their shadow, and the others.
   std::vector<std::uint32_t> one_sided = {}, two_sided = {};
-  std::vector<std::uint32_t> glass = {};  ///< those that let a part of the light through, in neither of the two
 };
 
 /// Receiver planes differ by depths that float32 represents exactly. There are at most 1000: each has its share of the area.
@@ -145,10 +144,7 @@ class PlanarProjected final : public Technique {
         const bool behind_light = l.w != 0 && height - reach >= light_height;
         if (behind_plane || behind_light || !projection.may_reach(made_->bounds[m], made_->lookup.bounds()[i], slack)) continue;
         projection.casters.push_back(m);
-        if (made_->scene->meshes[m].transmission) {
-          projection.glass.push_back(m);
-          continue;
-        }
+        if (made_->scene->meshes[m].transmission) continue;
         const bool is_clipped = height - reach < 2 * tolerance || (l.w != 0 && height + reach >= 0.99 * light_height);
         (made_->scene->meshes[m].is_closed() && !is_clipped ? projection.one_sided : projection.two_sided).push_back(m);
       }
@@ -263,7 +259,9 @@ class PlanarProjected final : public Technique {
         buffers.draw(projection.one_sided);  // bodies: none has holes
         glDisable(GL_CULL_FACE);
       }
-      if (const auto& glass = artefacts.unclipped ? made_->glass : projection.glass; !glass.empty()) {
+      std::vector<std::uint32_t> glass;
+      std::ranges::set_intersection(casters, made_->glass, std::back_inserter(glass));
+      if (!glass.empty()) {
         p.draw_glass(buffers, glass);
         if (!artefacts.double_blend) glDisable(GL_BLEND);
       }
