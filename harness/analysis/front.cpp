@@ -177,7 +177,9 @@ std::string still_rows(std::span<const Record> records) {
 std::vector<Field> find_fields(std::span<const Record> records, const FieldOptions& options) {
   require_quantity(records, options.error);
   if (better(options.error).empty()) throw Error("{} has no better side: front and best cannot rank by it", options.error);
-  const std::string left_out = options.cost == Cost::motion ? still_rows(records) : "";
+  const bool needs_motion = options.cost == Cost::motion || options.error == "update_ms" || options.error == "motion_ms" ||
+                            options.error.starts_with("moving_");
+  const std::string left_out = needs_motion ? still_rows(records) : "";
   std::vector<Field> fields;
   std::map<Place, std::size_t> places;
   const auto is_asked = [&](const Record& r) {

@@ -79,7 +79,10 @@ void print_rows(const RunOptions& options, SceneLibrary& library) {
     if (std::string size = fmt::format("{}x{}", job.width, job.height); std::ranges::find(sizes, size) == sizes.end())
       sizes.push_back(std::move(size));
     const std::string& missing = library.get(job.scene).missing;
-    fmt::print("{}  {}{}{}\n", job.hash, job.title(), job.contender.label.empty() ? "" : "  (" + job.contender.label + ")",
+    std::vector<std::string> also;
+    for (const std::string& text : {job.contender.label, job.motion()})
+      if (!text.empty()) also.push_back(text);
+    fmt::print("{}  {}{}{}\n", job.hash, job.title(), also.empty() ? "" : "  (" + joined(also, ", ") + ")",
                missing.empty() ? "" : "  unsupported: " + missing);
   }
   const Suite& suite = options.suite;

@@ -83,7 +83,7 @@ void put_motion(Suite& suite, const SuiteOptions& options) {
     if (options.start) group.times.start = *options.start + 0.0;  // minus zero is zero
   }
   if (!frames.empty() && !follows)
-    throw Error("{} is for rows that follow an animation, and none does: name one by --animation", frames);
+    throw Error("{} is for rows that follow an animation, and none does: name one by --animation, not by --path", frames);
 }
 
 }  // namespace

@@ -318,12 +318,12 @@ class Batch {
     return task;
   }
 
-  /// The same of a walk over frames, which are the iterations.
+  /// The same of a walk over frames, whose steps are the iterations.
   TimingTask warm_up(PendingRow& row, MotionWalk& walk) {
-    const double least = walk.warm_up(suite_.warmups);
+    const double slowest = walk.warm_up(suite_.warmups);
     std::uint64_t& iterations = row.record.iterations["update"];
-    if (iterations == 0) iterations = static_cast<std::uint64_t>(motion_iterations(least));
-    return walk.task(least > 500 ? 1 : suite_.repetitions, static_cast<int>(iterations));
+    if (iterations == 0) iterations = static_cast<std::uint64_t>(motion_iterations(slowest, *row.job.times->frames - 1));
+    return walk.task(slowest > 500 ? 1 : suite_.repetitions, static_cast<int>(iterations));
   }
 
   SceneRun& run_;

@@ -30,7 +30,8 @@ double stage_seconds(double ms, int iterations, const Effort& effort) {
 }
 
 double timed_seconds(const RowCost& cost, const Effort& effort) {
-  double sum = cost.motion > 0 ? stage_seconds(cost.motion, motion_iterations(cost.motion), effort) : 0;
+  double sum =
+      cost.motion > 0 ? stage_seconds(cost.motion, motion_iterations(cost.motion, std::max(cost.frames, 2) - 1), effort) : 0;
   for (const double ms : cost.stages) sum += stage_seconds(ms, iterations_for(ms), effort);
   return sum;
 }

@@ -32,55 +32,68 @@ MotionTime timed_motion(WorkerClient& worker, const FrameRequest& request, int n
   return time;
 }
 
-int motion_iterations(double ms) {
+int motion_iterations(double ms, int step_count) {
   constexpr double cheap_ms = 200;
   constexpr int few = 4;
   int least = 1;
   while (least < few && 2 * least * ms <= cheap_ms) least *= 2;
-  return std::max(iterations_for(ms), least);
+  const int steps = std::max(iterations_for(ms), least);
+  const int round = 2 * step_count;  // forth and back
+  return steps >= round ? steps - steps % round : std::min(steps, step_count);
+}
+
+MotionTime MotionWalk::step(int k, int steps, double shift) {
+  if (steps <= order_.step_count()) {
+    const int from = static_cast<int>((k + shift) / steps * order_.step_count());
+    if (order_.now() != from) time_(from);
+    order_.jump_to(from);
+  }
+  return time_(order_.next());
 }
 
 double MotionWalk::warm_up(int warmups) {
   constexpr double most_ms = 300;
-  double least = 0, sum = 0;
-  for (int k = 0; k < warmups && sum < most_ms; ++k) {
-    const double ms = time_(order_.next()).sum();
-    least = k == 0 ? ms : std::min(least, ms);
+  const int steps = std::min(warmups, order_.step_count());
+  double slowest = 0, sum = 0;
+  for (int k = 0; k < steps && sum < most_ms; ++k) {
+    const double ms = step(k, steps, 0.5).sum();
+    slowest = k <= 1 ? ms : std::max(slowest, ms);
     sum += ms;
   }
-  return least;
+  return slowest;
 }
 
 TimingTask MotionWalk::task(int repetitions, int iterations) {
   TimingTask task;
-  task.repetitions = repetitions;
+  repetitions_ = task.repetitions = repetitions;
   task.iterations = iterations;
-  task.milliseconds = [this](int frames) {
+  task.milliseconds = [this](int steps) {
     const auto start = std::chrono::steady_clock::now();
-    const double ms = add_sample(frames);
+    const double ms = add_sample(steps);
     seconds += seconds_since(start);
     return ms;
   };
   return task;
 }
 
-double MotionWalk::add_sample(int frames) {
+double MotionWalk::add_sample(int steps) {
   MotionTime sum{.update_clocks = {.device = 0, .harness = 0}};
   const auto add = [](std::optional<double>& to, const std::optional<double>& more) {
     to = to && more ? std::optional(*to + *more) : std::nullopt;
   };
-  for (int k = 0; k < frames; ++k) {
-    const MotionTime time = time_(order_.next());
+  const double shift = (static_cast<double>(std::size(relight)) + 0.5) / repetitions_;
+  for (int k = 0; k < steps; ++k) {
+    const MotionTime time = step(k, steps, shift);
     sum.update += time.update;
     sum.relight += time.relight;
     sum.resolve += time.resolve;
     add(sum.update_clocks.device, time.update_clocks.device);
     add(sum.update_clocks.harness, time.update_clocks.harness);
   }
-  relight.push_back(sum.relight / frames);
-  resolve.push_back(sum.resolve / frames);
-  if (const auto device = sum.update_clocks.device) update.device.push_back(*device / frames);
-  if (const auto harness = sum.update_clocks.harness) update.harness.push_back(*harness / frames);
+  relight.push_back(sum.relight / steps);
+  resolve.push_back(sum.resolve / steps);
+  if (const auto device = sum.update_clocks.device) update.device.push_back(*device / steps);
+  if (const auto harness = sum.update_clocks.harness) update.harness.push_back(*harness / steps);
   return sum.update;
 }
 

@@ -4,12 +4,20 @@
 
 namespace gnomon {
 
-/// The order in which a row's frames are timed: from 0 on 1, 2, .., F-1, F-2, .., 0, 1, ..: neighbors alone, so that every step
-/// is one of the motion.
+/// Where a walk over the frames of a row is. It goes by single steps, 1, 2, .., F-1, F-2, .., 0, 1, ..: each is one of the
+/// motion.
 class FrameOrder {
  public:
   explicit FrameOrder(int frames) : frames_(frames) {}
+  int now() const { return now_; }
   int next();
+  /// The next step is forward from this frame, which is not the last.
+  void jump_to(int frame) {
+    now_ = frame;
+    step_ = 1;
+  }
+  /// From frame to frame, one less than there are frames.
+  int step_count() const { return frames_ - 1; }
 
  private:
   int frames_, now_ = 0, step_ = 1;
@@ -40,17 +48,19 @@ struct MotionTime {
 /// it.
 MotionTime timed_motion(WorkerClient& worker, const FrameRequest& request, int number);
 
-/// Frames that a sample averages where one takes `ms`: as many calls as iterations_for says, and where that is cheap, 0.2 s, up
-/// to four, for one frame is one pose.
-int motion_iterations(double ms);
+/// Steps that a sample averages in a row of so many where one takes `ms`: as many as iterations_for says, and where that is
+/// cheap, 0.2 s, up to four, for one step is one pose. At most all, or all of them forth and back, some times.
+int motion_iterations(double ms, int step_count);
 
-/// One worker's walk over the frames of a row. Each sample is the mean over some frames in a row.
+/// One worker's walk over the frames of a row. Each sample is the mean over steps that are spread evenly over the row; between
+/// steps that do not follow one another it jumps, which takes its time and counts for nothing.
 class MotionWalk {
  public:
   /// `time` does the stages of a frame. The walk goes on in `order`, which outlives it.
   MotionWalk(FrameOrder& order, std::function<MotionTime(int number)> time) : order_(order), time_(std::move(time)) {}
 
-  /// So many frames without a sample, fewer where they take long. Returns the time of the fastest, milliseconds.
+  /// So many steps without a sample, spread like those of one, fewer where they take long. Returns the time of the slowest,
+  /// milliseconds, without the first one where there are more: it also finds memory and caches cold.
   double warm_up(int warmups);
   /// The task that takes the samples of one process. Its own samples are those of update.
   TimingTask task(int repetitions, int iterations);
@@ -60,10 +70,13 @@ class MotionWalk {
   double seconds = 0;                    ///< that the task took, also untimed
 
  private:
-  double add_sample(int frames);
+  double add_sample(int steps);
+  /// Step `k` of so many, by `shift`, 0 .. 1, of their distance behind the first.
+  MotionTime step(int k, int steps, double shift);
 
   FrameOrder& order_;
   std::function<MotionTime(int)> time_;
+  int repetitions_ = 1;
 };
 
 }  // namespace gnomon

@@ -15,10 +15,16 @@ namespace gnomon {
 
 namespace {
 
-/// Frames from the start to the last key of the animation, both included.
+/// Frames from the start to the last key of the animation, both included; a key of float32 may be rounded up. Throws Error
+/// where a row cannot have so many.
 int frames_to_end(const Animation& animation, double start, double frame_rate) {
-  const double frames = std::ceil((animation.end() - start) * frame_rate) + 1;
-  return static_cast<int>(std::clamp<double>(frames, least_frames, most_frames));
+  const double frames = std::ceil((animation.end() - start) * frame_rate - 1e-5) + 1;
+  if (frames > most_frames)
+    throw Error(
+        "animation {} has {:.6g} frames from {} s to its last key at {} s, {} a second; a row has at most {}: give "
+        "frames, or another frame_rate",
+        animation.name, frames, start, animation.end(), frame_rate, most_frames);
+  return static_cast<int>(std::max<double>(frames, least_frames));
 }
 
 /// An animation of a group by name. Throws Error with the nearest name, and where the name is that of something else.
@@ -91,7 +97,7 @@ Path followed_path(const Scene& scene, const std::string& name, const Light& lig
   path.frame_rate = times.frame_rate.value_or(path.frame_rate);
   if (times.frames)
     path.frame_count = *times.frames;
-  else if (times.start || times.frame_rate)
+  else
     path.frame_count = frames_to_end(animation_of(scene, name), path.start, path.frame_rate);
   return path;
 }

@@ -56,7 +56,7 @@ Path light_slide(const Scene& scene, Light light) {
 /// All of an animation, as far as a row may have frames.
 Path path_of(const Animation& animation) {
   Path path{.name = animation.name, .moves = Path::Moves::geometry};
-  const double frames = std::ceil(animation.end() * path.frame_rate) + 1;
+  const double frames = std::ceil(animation.end() * path.frame_rate - 1e-5) + 1;
   path.frame_count = static_cast<int>(std::clamp(frames, 2.0, double{most_motion_frames}));
   return path;
 }

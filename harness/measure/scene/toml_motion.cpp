@@ -1,10 +1,12 @@
 #include "measure/scene/toml_motion.h"
 
+#include <algorithm>
 #include <glm/gtc/quaternion.hpp>
 #include <memory>
 #include <set>
 #include <utility>
 
+#include "measure/scene/motion.h"
 #include "measure/scene/pose.h"
 
 namespace gnomon {
@@ -288,6 +290,8 @@ void read_path(const toml::table& toml, const fs::path& file, Scene& scene) {
   const Table table(toml, file, "path", {"name", "moves", "positions", "frames"});
   const Path::Moves what = moves == "camera" ? Path::Moves::camera : Path::Moves::light;
   Path path{table.name("name", scene.paths, moves), what, {}};
+  if (std::ranges::find(slide_names, path.name) != std::end(slide_names))
+    table.refuse("name", "'" + path.name + "'", "another name: every scene has a path of this one");
   for (const glm::dvec3& position : table.vectors("positions", 0, 2)) path.positions.emplace_back(position);
   if (!table.has("frames")) table.refuse("frames", "(nothing)", "a whole number of 2 .. 100000");
   path.frame_count = table.integer("frames", 0, 2, 100'000);

@@ -164,7 +164,7 @@ void add_shorthands(Layout& layout, std::span<const Record> records, bool has_nu
   if (has("silhouette_share") || has("grazing_share") || has("uncertain_share"))
     say("S, G, U", "shares of the pixels facing the light that are not tested: silhouette, grazing, uncertain");
   if (std::ranges::any_of(records, moves_geometry)) {
-    add("update_ms", "update", "time in build's place where the geometry moved, mean over frames of the animation");
+    add("update_ms", "update", "time in build's place where the geometry moved, mean over steps through the animation");
     add("motion_ms", "motion", "update, and relight and resolve after it; relight and resolve alone are of the first frame");
   }
   add("resolve_device_ms", "on device",
