@@ -33,7 +33,8 @@ Scene rows_of_balls(int moving) {
   for (int i = 0; i < side * side; ++i) {
     scene.meshes.push_back(ball);
     for (glm::vec3& p : scene.meshes.back().positions) p += glm::vec3(2 * (i % side) - side, 0, 2 * (i / side) - side);
-    if (i < moving) motion->rigs.push_back(rig_at_rest(scene, static_cast<std::uint32_t>(scene.meshes.size() - 1), 0));
+    if (i < std::max(moving, 1))
+      motion->rigs.push_back(rig_at_rest(scene, static_cast<std::uint32_t>(scene.meshes.size() - 1), 0));
   }
   scene.motion = std::move(motion);
   return scene;
@@ -51,7 +52,8 @@ void update(benchmark::State& state, const char* id) {
   const auto next = [&] {
     frame = (frame + 1) % (2 * frames - 2);
     const int at = frame < frames ? frame : 2 * frames - 2 - frame;
-    posed.go_to(RowPose{.animation = "walk", .seconds = at / 60.0, .start = 0, .frame_rate = 60, .frames = frames});
+    const double seconds = moving > 0 ? at / 60.0 : 0;  // a row may rest for some frames
+    posed.go_to(RowPose{.animation = "walk", .seconds = seconds, .start = 0, .frame_rate = 60, .frames = frames});
     return posed.take_changes();
   };
   next();
