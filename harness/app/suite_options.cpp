@@ -74,8 +74,11 @@ void put_motion(Suite& suite, const SuiteOptions& options) {
                 options.times.front());
   bool follows = false;
   for (SuiteGroup& group : suite.groups) {
-    if (!options.paths.empty()) group.paths = options.paths;
-    if (options.times.empty() && !options.animations.empty()) group.animations = options.animations;
+    const bool names_animations = options.times.empty() && !options.animations.empty();
+    if (names_animations || !options.paths.empty()) {
+      group.paths = options.paths;
+      group.animations = names_animations ? options.animations : std::vector<std::string>();
+    }
     if (group.animations.empty()) continue;
     follows = true;
     if (options.frames) group.times.frames = options.frames;

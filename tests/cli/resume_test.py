@@ -100,6 +100,13 @@ class Resume(ProgramTest):
         self.assertEqual(len({row["context"]["technique_source"] for row in records(self.dir / "out")}), 2)
         self.refuse(*run[:-1], "--rebuilt", says=["--rebuilt"])  # without --resume
 
+        # Pictures of rows that are run again are not those of another program.
+        with_masks = ["masks" if word == "none" else word for word in run]
+        for words, count in ((with_masks, 4), (run, 0)):
+            self.change(lambda row: row["context"].update(build="0" * 16))
+            self.succeed(*words, "--rebuilt")
+            self.assertEqual(len([*self.dir.glob("out/masks/*")]), count)
+
     def test_a_folder_says_how_it_was_run(self):
         scene = self.write("card.toml", 'scene = "contact"\n')
         suite = self.write("mine.toml", SUITE.format('["single_triangle", "card.toml"]'))

@@ -48,6 +48,15 @@ struct SceneRun {
   FrameRequest request(const RowFrame& frame, Truth truth);
 };
 
+/// Does something of a frame of a row on a path. Where its worker fails, the failure says at which frame.
+auto at_frame(int number, const auto& work) {
+  try {
+    return work();
+  } catch (const WorkerFailure& failure) {
+    throw WorkerFailure(fmt::format("{} (at frame {})", failure.what(), number));
+  }
+}
+
 /// A worker that serves one technique with its settings on a scene, and its present frame of a row.
 class ContenderWorker {
  public:

@@ -174,7 +174,8 @@ std::optional<MeasuredRow> measure(Record& record, SceneRun& run, ContenderWorke
     worker.client().time(Stage::build);
   RowMeasurement measurement(record, run, worker, first);
   for (RowFrame frame = first; frame.number < first.count(); ++frame.number) {
-    if (!measurement.add(frame)) return std::nullopt;
+    const auto add = [&] { return measurement.add(frame); };
+    if (!(frame.path ? at_frame(frame.number, add) : add())) return std::nullopt;
     if (kept) kept->add(frame.number, measurement.now(), run.scene);
   }
   if (kept) kept->finish();

@@ -22,14 +22,16 @@ const FrameRequest& MotionFrames::request(int number) {
 }
 
 MotionTime timed_motion(WorkerClient& worker, const FrameRequest& request, int number) {
-  const FrameReply reply = worker.frame(request);
-  if (!reply.support) throw Error("at frame {}: {}", number, reply.support.why());
-  MotionTime time;
-  time.update = worker.time(Stage::update);
-  time.update_clocks = worker.other_clocks();
-  time.relight = worker.time(Stage::relight);
-  time.resolve = worker.time(Stage::resolve);
-  return time;
+  return at_frame(number, [&] {
+    const FrameReply reply = worker.frame(request);
+    if (!reply.support) throw Error("at frame {}: {}", number, reply.support.why());
+    MotionTime time;
+    time.update = worker.time(Stage::update);
+    time.update_clocks = worker.other_clocks();
+    time.relight = worker.time(Stage::relight);
+    time.resolve = worker.time(Stage::resolve);
+    return time;
+  });
 }
 
 int motion_iterations(double ms, int step_count) {

@@ -124,6 +124,7 @@ Earlier earlier_rows(const RunOptions& options, SceneLibrary& library, std::span
     const bool is_retried = options.retry_failed && record.status == Status::failed && wanted.contains(record.job);
     if ((entry.scene && then.empty()) || is_retried || is_of_other_plugin || !code.empty()) {
       earlier.is_changed = true;
+      earlier.dropped.push_back(std::move(record));
       continue;
     }
     if (entry.scene) {

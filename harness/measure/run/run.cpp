@@ -144,6 +144,7 @@ RunSummary run_suite(const RunOptions& options, SceneLibrary& library, Progress&
   for (const std::string& note : earlier.notes) progress.say(note);
   add_to_run_file(options, machine_context(options.worker.threads), library, jobs);
   if (earlier.is_changed) writer.replace(earlier.kept);
+  for (const Record& record : earlier.dropped) remove_pictures(record, options.out);
   remove_unfinished_pictures(options.out);
   RunSummary summary;
   summary.left_out = suite.left_out;

@@ -29,6 +29,7 @@ std::vector<Job> select_jobs(const RunOptions& options, std::vector<Job> jobs);
 struct Earlier {
   std::vector<Record> kept;        ///< numbered as the suite numbers its rows now, in order of the file
   std::set<std::string> done;      ///< jobs of `kept`: they are not run again
+  std::vector<Record> dropped;     ///< rows that are run again, whose pictures go
   bool is_changed = false;         ///< the file does not hold `kept` as it is: rows went, or have new places
   std::vector<std::string> notes;  ///< for readers of the table: other processors, other numbers of threads
 };

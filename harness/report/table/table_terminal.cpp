@@ -1,4 +1,5 @@
 #include "analysis/in_order.h"
+#include "measure/printable.h"
 #include "report/table/layout.h"
 
 namespace gnomon {
@@ -45,7 +46,7 @@ std::string terminal_table(const Layout& layout, std::size_t width) {
       const std::size_t filled = filled_columns(layout, row);
       if (row.reason > 0 && filled < cells.size()) {
         cells.resize(filled);
-        table.add_row(std::move(cells), row.record->reason);
+        table.add_row(std::move(cells), printable(row.record->reason, true));
         continue;
       }
       if (row.reason > 0) {
@@ -58,7 +59,8 @@ std::string terminal_table(const Layout& layout, std::size_t width) {
   }
 
   std::string text = (layout.title.empty() ? "" : layout.title + "\n\n") + table.text(width) + '\n';
-  for (std::size_t i = 0; i < noted.size(); ++i) text += fmt::format("[{}] {}\n", i + 1, layout.reasons[noted[i] - 1]);
+  for (std::size_t i = 0; i < noted.size(); ++i)
+    text += fmt::format("[{}] {}\n", i + 1, printable(layout.reasons[noted[i] - 1], true));
   for (const auto& [mark, meaning] : legend(layout, {"*", "\u00b0", "!"})) text += fmt::format("{}: {}\n", mark, meaning);
   for (const std::string& note : layout.notes) text += note + '\n';
   for (const auto& [topic, what] : layout.provenance) text += fmt::format("{}: {}\n", topic, what);

@@ -82,6 +82,14 @@ TEST(suite_options, what_moves_replaces_that_of_a_suite) {
 
   options = {};
   options.suite = file.string();
+  options.paths = {"camera_slide"};
+  for (const SuiteGroup& group : make_suite(options, "run").groups) {
+    EXPECT_EQ(group.paths, Words{"camera_slide"});
+    EXPECT_TRUE(group.animations.empty());
+  }
+
+  options = {};
+  options.suite = file.string();
   options.times = {0.5};
   const SuiteGroup stills = make_suite(options, "run").groups.at(0);
   EXPECT_EQ(stills.scenes, Words{"a@walk=0.5"}) << "of the animation that the suite follows";
