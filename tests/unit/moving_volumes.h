@@ -16,6 +16,7 @@
 namespace moving_volumes {
 using namespace gnomon;
 using small_world::box;
+using small_world::mask_of;
 
 /// Meshes of `touching_boxes`.
 enum : std::uint32_t { ground, left, right, walker, folder, vanisher, mesh_count };
@@ -122,13 +123,6 @@ inline double bytes_of(const Technique& technique) {
   for (const Count& count : technique.counts())
     if (count.name == "bytes") return count.value;
   return 0;
-}
-
-inline std::vector<float> mask_of(Technique& technique, const GBuffer& gbuffer) {
-  VisibilityMask mask(gbuffer.width, gbuffer.height);
-  technique.resolve(gbuffer, mask);
-  const auto pixels = mask.read();
-  return {pixels.begin(), pixels.end()};
 }
 
 }  // namespace moving_volumes

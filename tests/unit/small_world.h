@@ -137,6 +137,14 @@ inline double caster_distance(const Scene& scene, const Light& light, const glm:
 }
 
 /// A technique brought up to a mask of one scene, light and G-buffer.
+/// What a technique that was relit answers.
+inline std::vector<float> mask_of(Technique& technique, const GBuffer& gbuffer) {
+  VisibilityMask mask(gbuffer.width, gbuffer.height);
+  technique.resolve(gbuffer, mask);
+  const auto pixels = mask.read();
+  return {pixels.begin(), pixels.end()};
+}
+
 struct Run {
   std::unique_ptr<Technique> technique;
   std::vector<float> mask;
@@ -152,10 +160,7 @@ inline Run run(void (*roll)(Registry&), const std::string& settings, const Scene
   run.technique->setup();
   run.technique->build(scene);
   run.technique->relight(light);
-  VisibilityMask mask(gbuffer.width, gbuffer.height);
-  run.technique->resolve(gbuffer, mask);
-  const auto pixels = mask.read();
-  run.mask.assign(pixels.begin(), pixels.end());
+  run.mask = mask_of(*run.technique, gbuffer);
   return run;
 }
 

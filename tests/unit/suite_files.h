@@ -1,24 +1,14 @@
 #pragma once
 // Suites as files, and what is wrong with them.
-#include <gnomon/error.h>
 #include <unistd.h>
 
 #include <fstream>
 
+#include "error_words.h"
 #include "measure/run/suite.h"
 
 namespace gnomon::suite_files {
-
-/// What some work throws; empty where it does not.
-template <class Work>
-std::string complaint(Work work) {
-  try {
-    work();
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "";
-}
+using error_words::error_of;
 
 /// A suite file that is there as long as the object.
 struct File {
@@ -30,7 +20,7 @@ struct File {
 /// The error of reading a suite of this text, with FILE for its path.
 inline std::string trouble(const std::string& text) {
   const File file(text);
-  std::string what = complaint([&] { read_suite(file.path); });
+  std::string what = error_of([&] { read_suite(file.path); });
   for (std::size_t at; (at = what.find(file.path.string())) != std::string::npos;)
     what.replace(at, file.path.string().size(), "FILE");
   return what;

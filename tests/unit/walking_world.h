@@ -34,6 +34,36 @@ inline RowPose in_row(double seconds, const std::string& animation = "walk") {
   return {.animation = animation, .seconds = seconds, .start = 0, .frame_rate = 8, .frames = 9};
 }
 
+/// The scene in a row of frames 0 .. 8, at the first one. Of `lift` the ground and the first box stand still, 14 triangles, and
+/// the second box moves, 12 triangles; of `walk` both boxes move.
+struct Row {
+  Scene scene;
+  PosedScene posed;
+  std::string animation;
+  int width;  ///< of its pictures, pixels
+
+  explicit Row(std::string animation = "lift", Scene with = walking_scene(), int width = 96)
+      : scene(std::move(with)), posed(scene), animation(std::move(animation)), width(width) {
+    go_to(0);
+    posed.take_changes();
+  }
+  void go_to(int frame) { posed.go_to(in_row(frame / 8.0, animation)); }
+  const Light& point() const { return scene.lights[0]; }
+  const Light& sun() const { return scene.lights[1]; }
+  GBuffer picture() const { return small_world::make_gbuffer(scene, scene.views[0], width, width * 3 / 4); }
+};
+
+/// A technique, set up and built; `more` may set what `settings` set.
+inline std::unique_ptr<Technique> made(const std::string& id, const std::string& settings, const Scene& scene,
+                                       const std::string& more = "") {
+  auto technique = registry().technique(id).make();
+  technique->apply(settings);
+  technique->apply(more);
+  technique->setup();
+  technique->build(scene);
+  return technique;
+}
+
 /// Moves the scene there, and has others come along.
 inline WantedPose moved_to(PosedScene& posed, const RowPose& at) {
   posed.go_to(at);

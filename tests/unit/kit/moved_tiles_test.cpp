@@ -4,21 +4,13 @@
 
 #include <random>
 
-#include "device/context.h"
-#include "measure/conformance/gl_state.h"
+#include "drawing_test.h"
 #include "small_world.h"
 
 namespace moved_tiles_test {
 using namespace gnomon;
 
-class MovedTexels : public testing::Test {
- protected:
-  MovedTexels() { process_context(); }
-  void TearDown() override {
-    EXPECT_EQ(state_differences(), std::vector<std::string>{});
-    release_inputs();
-  }
-};
+class MovedTexels : public DrawingTest {};
 
 PixelRectangle tiles_at(int column, int row, int columns = 1, int rows = 1) {
   return {column * Blur::tile_width, row * Blur::tile_height, (column + columns) * Blur::tile_width,

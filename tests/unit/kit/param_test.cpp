@@ -4,9 +4,12 @@
 
 #include <cmath>
 
+#include "error_words.h"
+
 namespace param_test {
 
 using namespace gnomon;
+using error_words::error_of;
 
 struct Rows : Parametrized {
   Number<int> size{this, "size", 8, {.unit = "texel", .min = 2, .max = 64, .log = true}, Stage::relight, "Side."};
@@ -16,19 +19,9 @@ struct Rows : Parametrized {
   Rows() { set_id("rows"); }
 };
 
-/// The text of the Error that `work` throws; empty when it throws none.
-template <class Work>
-std::string complaint(Work work) {
-  try {
-    work();
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "";
-}
 std::string refused(std::string_view settings) {
   Rows rows;
-  return complaint([&] { rows.apply(settings); });
+  return error_of([&] { rows.apply(settings); });
 }
 
 TEST(param, rows_register_themselves_in_order_of_declaration) {
@@ -93,7 +86,7 @@ TEST(param, unknown_repeated_and_shapeless_settings_are_errors) {
   EXPECT_EQ(refused("size=4,,fast=true"), "rows: '' is not of the form parameter=value");
   Parametrized bare;
   bare.set_id("bare");
-  EXPECT_EQ(complaint([&] { bare.apply("size=4"); }), "bare has no parameter size; it has none at all");
+  EXPECT_EQ(error_of([&] { bare.apply("size=4"); }), "bare has no parameter size; it has none at all");
 }
 
 TEST(param, an_empty_item_is_no_setting_wherever_it_stands) {
@@ -130,7 +123,7 @@ RC_GTEST_PROP(param, a_list_with_one_bad_setting_changes_nothing, ()) {
 TEST(param, a_default_outside_its_own_range_cannot_be_constructed) {
   Parametrized owner;  // its rows are not read: they are gone at once
   const auto number = [&](double value, double min, double max) {
-    return complaint(
+    return error_of(
         [&] { Number<double>{&owner, "bias", value, {.unit = "m", .min = min, .max = max}, Stage::build, "Bias."}; });
   };
   EXPECT_EQ(number(3, 0, 2), "parameter bias: default 3 is outside 0 .. 2 m");
@@ -138,9 +131,9 @@ TEST(param, a_default_outside_its_own_range_cannot_be_constructed) {
   EXPECT_EQ(number(1, 2, 0), "parameter bias: default 1 is outside 2 .. 0 m");
   EXPECT_EQ(number(0, 0, 2), "");
   EXPECT_EQ(number(2, 0, 2), "");
-  EXPECT_EQ(complaint([&] { Number<int>{&owner, "size", 0, {.unit = "", .min = 1, .max = 2}, Stage::build, "Side."}; }),
+  EXPECT_EQ(error_of([&] { Number<int>{&owner, "size", 0, {.unit = "", .min = 1, .max = 2}, Stage::build, "Side."}; }),
             "parameter size: default 0 is outside 1 .. 2");
-  EXPECT_EQ(complaint([&] {
+  EXPECT_EQ(error_of([&] {
               Choice{&owner, "mode", "fats", {"slow", "fast"}, Stage::build, "Speed."};
             }),
             "parameter mode: default fats is outside slow | fast");
@@ -228,7 +221,7 @@ TEST(param, settings_of_an_object_within_come_in_any_order_and_are_canonical) {
 TEST(param, errors_of_an_object_within_name_what_was_written) {
   const auto refusal = [](const char* settings) {
     Whole whole;
-    return complaint([&] { whole.apply(settings); });
+    return error_of([&] { whole.apply(settings); });
   };
   EXPECT_EQ(refusal("of.size=1"), "whole.of.size = 1 is outside 2 .. 64 texel");
   EXPECT_EQ(refusal("of.size=8.5"), "whole.of.size = 8.5 is not a whole number in digits; allowed are 2 .. 64 texel");

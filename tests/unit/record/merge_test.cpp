@@ -8,11 +8,13 @@
 #include <numeric>
 #include <sstream>
 
+#include "error_words.h"
 #include "measure/scratch_folder.h"
 
 namespace merge_test {
 
 using namespace gnomon;
+using error_words::error_of;
 namespace fs = std::filesystem;
 using Runs = std::vector<std::pair<fs::path, std::vector<Record>>>;
 
@@ -51,17 +53,6 @@ std::string lines(const std::vector<Record>& records) {
   std::string text;
   for (const Record& r : records) text += record_line(r);
   return text;
-}
-
-/// The text of the Error that `work` throws; empty when it throws none.
-template <class Work>
-std::string complaint(Work work) {
-  try {
-    work();
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "";
 }
 
 /// A folder of its own for each test, gone afterwards.
@@ -246,13 +237,13 @@ TEST_F(MergeFolderTest, references_of_frames_that_rows_share_are_copied_once) {
   const auto merged = [&] {
     write_merge(merge_records(Runs{{dir / "x", {a}}, {dir / "y", {b}}}), dir / "no", [](const fs::path&) {});
   };
-  EXPECT_NE(complaint(merged).find("picture frames/reference-0/0002.png is named by two rows"), std::string::npos)
-      << complaint(merged);
+  EXPECT_NE(error_of(merged).find("picture frames/reference-0/0002.png is named by two rows"), std::string::npos)
+      << error_of(merged);
   b.mask.reset();
   b.kept_frames->reference = "../y/frames/reference-0";
-  EXPECT_NE(complaint(merged).find("picture ../y/frames/reference-0/0000.png is not a path below the run's folder"),
+  EXPECT_NE(error_of(merged).find("picture ../y/frames/reference-0/0000.png is not a path below the run's folder"),
             std::string::npos)
-      << complaint(merged);
+      << error_of(merged);
   EXPECT_FALSE(fs::exists(dir / "no"));
 }
 
@@ -263,14 +254,14 @@ TEST_F(MergeFolderTest, what_goes_wrong_leaves_nothing_behind) {
   write("x/masks/a.exr", "a");
   write("secret", "s");
   const auto write_out = [&](const std::vector<Record>& records) {
-    return complaint([&] { write_merge(merge_records(Runs{{dir / "x", records}}), dir / "out", [](const fs::path&) {}); });
+    return error_of([&] { write_merge(merge_records(Runs{{dir / "x", records}}), dir / "out", [](const fs::path&) {}); });
   };
   EXPECT_NE(write_out({a, twin}).find("picture masks/a.exr is named by two rows"), std::string::npos);
   EXPECT_NE(write_out({a, thief}).find("picture ../secret is not a path below the run's folder"), std::string::npos);
   thief.mask = "/etc/passwd";
   EXPECT_NE(write_out({thief}).find("/etc/passwd is not a path below"), std::string::npos);
   const Merge merge = merge_records(Runs{{dir / "x", {a}}});
-  EXPECT_EQ(complaint([&] { write_merge(merge, dir / "out", [](const fs::path&) { throw Error("no table"); }); }), "no table");
+  EXPECT_EQ(error_of([&] { write_merge(merge, dir / "out", [](const fs::path&) { throw Error("no table"); }); }), "no table");
   EXPECT_FALSE(fs::exists(dir / "out"));
   EXPECT_EQ(std::distance(fs::directory_iterator(dir), {}), 2);  // x and secret
 }
@@ -280,10 +271,10 @@ TEST_F(MergeFolderTest, a_folder_that_holds_something_is_refused) {
   write("stuff/file", "");
   write("file", "");
   fs::create_directory(dir / "empty");
-  EXPECT_NE(complaint([&] { require_free(dir / "run"); }).find("holds records already"), std::string::npos);
-  EXPECT_NE(complaint([&] { require_free(dir / "stuff"); }).find("is not empty"), std::string::npos);
-  EXPECT_NE(complaint([&] { require_free(dir / "file"); }).find("is a file"), std::string::npos);
-  EXPECT_EQ(complaint([&] { require_free(dir / "new"); }), "");
+  EXPECT_NE(error_of([&] { require_free(dir / "run"); }).find("holds records already"), std::string::npos);
+  EXPECT_NE(error_of([&] { require_free(dir / "stuff"); }).find("is not empty"), std::string::npos);
+  EXPECT_NE(error_of([&] { require_free(dir / "file"); }).find("is a file"), std::string::npos);
+  EXPECT_EQ(error_of([&] { require_free(dir / "new"); }), "");
   write_merge({}, dir / "empty", [](const fs::path&) {});  // an empty merge is a run without rows
   EXPECT_TRUE(read_records(dir / "empty").empty());
 }

@@ -14,7 +14,7 @@
 namespace row_paths_test {
 
 using namespace gnomon;
-using suite_files::complaint, suite_files::File, suite_files::group, suite_files::trouble;
+using suite_files::error_of, suite_files::File, suite_files::group, suite_files::trouble;
 using Words = std::vector<std::string>;
 
 /// The jobs of groups on small walking boxes, whose animation `walk` ends at 2 s.
@@ -32,7 +32,7 @@ Job job_of(const std::string& keys) {
   return jobs.front();
 }
 std::string refused(const std::string& keys, const std::string& scene = "walking_boxes:count=4") {
-  return complaint([&] { jobs_of(keys, scene); });
+  return error_of([&] { jobs_of(keys, scene); });
 }
 
 TEST(suite, groups_take_animations_and_which_of_their_frames_rows_have) {

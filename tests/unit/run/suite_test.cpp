@@ -13,7 +13,7 @@
 namespace suite_test {
 
 using namespace gnomon;
-using suite_files::complaint, suite_files::File, suite_files::group, suite_files::trouble;
+using suite_files::error_of, suite_files::File, suite_files::group, suite_files::trouble;
 
 std::vector<std::string> names(const std::string& text) {
   std::vector<std::string> result;
@@ -27,7 +27,7 @@ void load_programs_of_the_tree() {
 }
 
 std::string refused(const std::string& text) {
-  return complaint([&] { parse_contenders(text); });
+  return error_of([&] { parse_contenders(text); });
 }
 
 TEST(contenders, settings_come_out_canonical) {
@@ -85,7 +85,7 @@ TEST(suite, what_is_wrong_with_times_is_said) {
 TEST(suite, a_still_of_a_scene_without_motion_is_refused_before_anything_runs) {
   const File file(group + "time = 1\n");
   SceneLibrary library;
-  const std::string what = complaint([&] { expand_jobs(read_suite(file.path), library, {.program = tested_program()}); });
+  const std::string what = error_of([&] { expand_jobs(read_suite(file.path), library, {.program = tested_program()}); });
   EXPECT_EQ(what.find("scene contact has no animation"), 0u) << what;
 }
 
@@ -94,7 +94,7 @@ TEST(suite, what_is_wrong_with_sizes_and_paths_is_said) {
   EXPECT_EQ(trouble(head + "sizes = [\"64x\"]\n"), "group.sizes 64x is not WxH with W and H of 1 .. 16384 pixels (FILE:1)");
   const File file(head + "paths = [\"camera_slid\"]\n");
   SceneLibrary library;
-  EXPECT_EQ(complaint([&] { (void)expand_jobs(read_suite(file.path), library, {.program = tested_program()}); }),
+  EXPECT_EQ(error_of([&] { (void)expand_jobs(read_suite(file.path), library, {.program = tested_program()}); }),
             "scene contact has no path camera_slid; did you mean camera_slide? It has: camera_slide, light_slide");
 }
 
@@ -248,9 +248,9 @@ TEST(suite, errors_say_what_and_end_in_file_and_line) {
 }
 
 TEST(suite, an_unknown_name_shows_what_there_is) {
-  const std::string what = complaint([] { read_suite("quik"); });
+  const std::string what = error_of([] { read_suite("quik"); });
   EXPECT_NE(what.find("did you mean quick?"), std::string::npos) << what;
-  EXPECT_EQ(complaint([] { read_suite("/nowhere/at_all.toml"); }), "suite /nowhere/at_all.toml does not exist");
+  EXPECT_EQ(error_of([] { read_suite("/nowhere/at_all.toml"); }), "suite /nowhere/at_all.toml does not exist");
 }
 
 TEST(suite, the_suites_that_ship_can_be_read) {
@@ -262,7 +262,7 @@ TEST(suite, the_suites_that_ship_can_be_read) {
 TEST(suite, a_light_that_the_scene_lacks_is_an_error) {
   const File file("[[group]]\nscenes = 'contact'\nlights = 'sum'\ntechniques = ['unshadowed']\n");
   SceneLibrary library;
-  EXPECT_EQ(complaint([&] { (void)expand_jobs(read_suite(file.path), library, {.program = tested_program()}); }),
+  EXPECT_EQ(error_of([&] { (void)expand_jobs(read_suite(file.path), library, {.program = tested_program()}); }),
             "scene contact has no light sum; did you mean sun? It has: point, sun, lamp, tube");
 }
 
@@ -278,11 +278,11 @@ TEST(suite, lights_are_chosen_by_whether_they_have_an_area) {
   EXPECT_EQ(lights("'*hard'"), "point sun ");
   EXPECT_EQ(lights("'*soft'"), "lamp tube ");
   EXPECT_EQ(lights("['tube', '*soft', 'sun']"), "tube lamp sun ");
-  EXPECT_EQ(complaint([&] { lights("'*sof'"); }),
+  EXPECT_EQ(error_of([&] { lights("'*sof'"); }),
             "scene contact has no light whose name is like *sof; it has: point, sun, lamp, tube");
   const File file("[[group]]\nscenes = 'soup'\nlights = '*soft'\ntechniques = ['unshadowed']\n");
   SceneLibrary library;
-  EXPECT_EQ(complaint([&] { (void)expand_jobs(read_suite(file.path), library, {.program = tested_program()}); }),
+  EXPECT_EQ(error_of([&] { (void)expand_jobs(read_suite(file.path), library, {.program = tested_program()}); }),
             "scene soup has no light with area, which *soft asks for; it has: point, sun");
 }
 

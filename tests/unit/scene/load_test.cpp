@@ -13,6 +13,7 @@
 #include <set>
 #include <tuple>
 
+#include "error_words.h"
 #include "measure/paths.h"
 #include "measure/scene/import.h"
 #include "measure/scratch_folder.h"
@@ -20,6 +21,7 @@
 namespace load_test {
 
 using namespace gnomon;
+using error_words::error_of;
 namespace fs = std::filesystem;
 
 /// A folder that is gone at the end of the test.
@@ -45,16 +47,6 @@ Scene import(const fs::path& file, const Placement& placement = {}) {
   return scene;
 }
 
-/// The text of the Error that `action` throws; empty when it throws none.
-template <class Action>
-std::string error_of(Action action) {
-  try {
-    action();
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "";
-}
 std::string import_error(const fs::path& file) {
   return error_of([&] { import(file); });
 }

@@ -2,53 +2,15 @@
 #include <gnomon/kit/gl/gl.h>
 #include <gtest/gtest.h>
 
-#include "device/context.h"
-#include "measure/conformance/gl_state.h"
+#include "drawing_test.h"
 #include "walking_world.h"
 
 namespace filtered_tiles_test {
 
 using namespace walking_world;
+using small_world::mask_of;
 
-class FilteredTiles : public testing::Test {
- protected:
-  FilteredTiles() { process_context(); }
-  void TearDown() override {
-    EXPECT_EQ(state_differences(), std::vector<std::string>{});
-    release_inputs();
-  }
-};
-
-/// The walking scene in a row of frames 0 .. 8. In animation `lift` the second box moves, in `walk` both do.
-struct Row {
-  Scene scene = walking_scene();
-  PosedScene posed{scene};
-  std::string animation = "lift";
-
-  explicit Row(std::string of = "lift") : animation(std::move(of)) {
-    go_to(0);
-    posed.take_changes();
-  }
-  void go_to(int frame) { posed.go_to(in_row(frame / 8.0, animation)); }
-  const Light& sun() const { return scene.lights[1]; }
-  GBuffer picture() const { return small_world::make_gbuffer(scene, scene.views[0], 96, 72); }
-};
-
-/// Set up and built.
-std::unique_ptr<Technique> made(const std::string& id, const std::string& settings, const Scene& scene) {
-  auto technique = registry().technique(id).make();
-  technique->apply(settings);
-  technique->setup();
-  technique->build(scene);
-  return technique;
-}
-
-std::vector<float> resolved(Technique& technique, const GBuffer& gbuffer) {
-  VisibilityMask mask(gbuffer.width, gbuffer.height);
-  technique.resolve(gbuffer, mask);
-  const auto pixels = mask.read();
-  return {pixels.begin(), pixels.end()};
-}
+class FilteredTiles : public DrawingTest {};
 
 double value(const Technique& technique, const std::string& count) { return small_world::value(technique.counts(), count); }
 double filtered(const Technique& technique) { return value(technique, "filtered"); }
@@ -69,20 +31,20 @@ double expect_as_built(const std::string& id, const std::string& settings, const
     const GBuffer gbuffer = row.picture();
     used->update(row.scene, row.posed.take_changes());
     used->relight(light);
-    const std::vector<float> mask = resolved(*used, gbuffer);
+    const std::vector<float> mask = mask_of(*used, gbuffer);
     share += filtered(*used) / texels(*used) / static_cast<double>(std::size(frames));
     fresh->build(row.scene);
     fresh->relight(light);
-    EXPECT_EQ(mask, resolved(*fresh, gbuffer)) << where;
+    EXPECT_EQ(mask, mask_of(*fresh, gbuffer)) << where;
     EXPECT_EQ(filtered(*fresh), texels(*fresh)) << where;
     EXPECT_EQ(value(*used, "bytes"), value(*fresh, "bytes")) << where;
     redraw->build(row.scene);
     redraw->relight(light);
-    EXPECT_EQ(mask, resolved(*redraw, gbuffer)) << where << ", in one pass";
+    EXPECT_EQ(mask, mask_of(*redraw, gbuffer)) << where << ", in one pass";
     if (frame % 3 != 0) continue;  // else the next one follows what filtered tiles
     used->relight(light);
     EXPECT_EQ(filtered(*used), texels(*used)) << where << ", relit once more";
-    EXPECT_EQ(resolved(*used, gbuffer), mask) << where << ", relit once more";
+    EXPECT_EQ(mask_of(*used, gbuffer), mask) << where << ", relit once more";
   }
   return share;
 }
@@ -117,11 +79,11 @@ TEST_F(FilteredTiles, where_nothing_moved_nothing_is_filtered) {
   map->update(row.scene, row.posed.take_changes());
   map->relight(row.sun());
   const GBuffer gbuffer = row.picture();
-  const std::vector<float> mask = resolved(*map, gbuffer);
+  const std::vector<float> mask = mask_of(*map, gbuffer);
   EXPECT_EQ(filtered(*map), 0);
   const auto fresh = made("variance_map", "resolution=256", row.scene);
   fresh->relight(row.sun());
-  EXPECT_EQ(mask, resolved(*fresh, gbuffer));
+  EXPECT_EQ(mask, mask_of(*fresh, gbuffer));
 }
 
 // What means are taken of may change while the layer of depths stays.
@@ -139,7 +101,7 @@ TEST_F(FilteredTiles, a_parameter_of_what_a_texel_holds_spoils_all_tiles) {
     const GBuffer gbuffer = row.picture();
     const auto fresh = made("exponential_map", "resolution=256," + setting, row.scene);
     fresh->relight(row.sun());
-    EXPECT_EQ(resolved(*map, gbuffer), resolved(*fresh, gbuffer)) << k;
+    EXPECT_EQ(mask_of(*map, gbuffer), mask_of(*fresh, gbuffer)) << k;
     if (k == 1)
       EXPECT_LT(filtered(*map), texels(*map));
     else
@@ -167,7 +129,7 @@ TEST_F(FilteredTiles, each_light_filters_what_moved_since_its_own_drawing) {
     for (const auto& [map, light] : {std::pair(first.get(), &row.sun()), std::pair(guest.get(), &evening)}) {
       const auto fresh = made("variance_map", "resolution=512", row.scene);
       fresh->relight(*light);
-      EXPECT_EQ(resolved(*map, gbuffer), resolved(*fresh, gbuffer)) << frame << " under " << light->name;
+      EXPECT_EQ(mask_of(*map, gbuffer), mask_of(*fresh, gbuffer)) << frame << " under " << light->name;
     }
   }
 }
@@ -177,7 +139,7 @@ TEST_F(FilteredTiles, scenes_that_stand_still_count_nothing_of_it) {
   row.posed.go_to(std::nullopt);
   const auto map = made("variance_map", "resolution=256", row.scene);
   map->relight(row.sun());
-  resolved(*map, row.picture());
+  mask_of(*map, row.picture());
   for (const Count& count : map->counts()) EXPECT_NE(count.name, "filtered");
 }
 

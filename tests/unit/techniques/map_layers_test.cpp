@@ -4,65 +4,24 @@
 #include <gtest/gtest.h>
 
 #include "area_lights.h"
-#include "device/context.h"
+#include "drawing_test.h"
 #include "glass.h"
-#include "measure/conformance/gl_state.h"
 #include "walking_world.h"
 
 namespace map_layers_test {
 
 using namespace walking_world;
+using small_world::mask_of;
 
-class MapLayers : public testing::Test {
- protected:
-  MapLayers() { process_context(); }
-  void TearDown() override {
-    EXPECT_EQ(state_differences(), std::vector<std::string>{});
-    release_inputs();
-  }
-};
+class MapLayers : public DrawingTest {};
 
-/// The walking scene in a row of frames 0 .. 8. In animation `lift` the ground and the first box stand still, 14 triangles, and
-/// the second box moves, 12 triangles; in `walk` both boxes move.
-struct Row {
-  Scene scene;
-  PosedScene posed;
-  std::string animation;
-
-  explicit Row(std::string animation = "lift", Scene with = walking_scene())
-      : scene(std::move(with)), posed(scene), animation(std::move(animation)) {
-    go_to(0);
-    posed.take_changes();
-  }
-  void go_to(int frame) { posed.go_to(in_row(frame / 8.0, animation)); }
-  const Light& point() const { return scene.lights[0]; }
-  const Light& sun() const { return scene.lights[1]; }
-  GBuffer picture() const { return small_world::make_gbuffer(scene, scene.views[0], 64, 48); }
-};
 constexpr double still_triangles = 14, moving_triangles = 12, all_triangles = still_triangles + moving_triangles;
 
-/// Set up and built; `more` may set what `settings` set.
-std::unique_ptr<Technique> made(const std::string& id, const std::string& settings, const Scene& scene,
-                                const std::string& more = "") {
-  auto technique = registry().technique(id).make();
-  technique->apply(settings);
-  technique->apply(more);
-  technique->setup();
-  technique->build(scene);
-  return technique;
-}
-
-std::vector<float> resolved(Technique& technique, const GBuffer& gbuffer) {
-  VisibilityMask mask(gbuffer.width, gbuffer.height);
-  technique.resolve(gbuffer, mask);
-  const auto pixels = mask.read();
-  return {pixels.begin(), pixels.end()};
-}
 std::vector<float> fresh_mask(const std::string& id, const std::string& settings, const Scene& scene, const Light& light,
                               const GBuffer& gbuffer, const std::string& more = "") {
   const auto technique = made(id, settings, scene, more);
   technique->relight(light);
-  return resolved(*technique, gbuffer);
+  return mask_of(*technique, gbuffer);
 }
 
 double triangles(const Technique& technique) { return small_world::value(technique.counts(), "triangles"); }
@@ -80,10 +39,10 @@ TEST_F(MapLayers, the_first_relight_after_an_update_draws_what_moves_and_the_nex
     map->relight(row.sun());
     EXPECT_EQ(triangles(*map), moving_triangles) << frame;
     const std::vector<float> fresh = fresh_mask("shadow_map", "", row.scene, row.sun(), gbuffer);
-    EXPECT_EQ(resolved(*map, gbuffer), fresh) << frame;
+    EXPECT_EQ(mask_of(*map, gbuffer), fresh) << frame;
     map->relight(row.sun());
     EXPECT_EQ(triangles(*map), all_triangles) << frame;
-    EXPECT_EQ(resolved(*map, gbuffer), fresh) << frame;
+    EXPECT_EQ(mask_of(*map, gbuffer), fresh) << frame;
   }
 }
 
@@ -98,7 +57,7 @@ TEST_F(MapLayers, several_updates_before_a_relight_spoil_nothing) {
   map->relight(row.sun());
   EXPECT_EQ(triangles(*map), moving_triangles);
   const GBuffer gbuffer = row.picture();
-  EXPECT_EQ(resolved(*map, gbuffer), fresh_mask("shadow_map", "", row.scene, row.sun(), gbuffer));
+  EXPECT_EQ(mask_of(*map, gbuffer), fresh_mask("shadow_map", "", row.scene, row.sun(), gbuffer));
 }
 
 // The first box has holes, so that the rule about them counts.
@@ -118,7 +77,7 @@ TEST_F(MapLayers, whatever_changes_an_image_spoils_its_layer) {
     map->relight(row.sun());
     EXPECT_EQ(triangles(*map), all_triangles) << change;
     const GBuffer gbuffer = row.picture();
-    EXPECT_EQ(resolved(*map, gbuffer), fresh_mask("shadow_map", settings, row.scene, row.sun(), gbuffer, change)) << change;
+    EXPECT_EQ(mask_of(*map, gbuffer), fresh_mask("shadow_map", settings, row.scene, row.sun(), gbuffer, change)) << change;
   }
 }
 
@@ -136,7 +95,7 @@ TEST_F(MapLayers, another_light_and_another_build_spoil_the_layer) {
   map->relight(row.sun());
   EXPECT_EQ(triangles(*map), all_triangles);
   const GBuffer gbuffer = row.picture();
-  EXPECT_EQ(resolved(*map, gbuffer), fresh_mask("shadow_map", "", row.scene, row.sun(), gbuffer));
+  EXPECT_EQ(mask_of(*map, gbuffer), fresh_mask("shadow_map", "", row.scene, row.sun(), gbuffer));
 }
 
 // In the row of `lift` the first box stands still; in that of `walk`, to which the scene goes without a build, it moves.
@@ -151,7 +110,7 @@ TEST_F(MapLayers, a_mesh_that_begins_to_move_spoils_the_layer) {
     map->relight(row.sun());
     EXPECT_EQ(triangles(*map), frame == 1 ? all_triangles : 2 * moving_triangles);
     const GBuffer gbuffer = row.picture();
-    EXPECT_EQ(resolved(*map, gbuffer), fresh_mask("shadow_map", "", row.scene, row.sun(), gbuffer)) << frame;
+    EXPECT_EQ(mask_of(*map, gbuffer), fresh_mask("shadow_map", "", row.scene, row.sun(), gbuffer)) << frame;
   }
 }
 
@@ -169,7 +128,7 @@ TEST_F(MapLayers, a_mesh_that_moves_and_has_no_reach_is_built_anew) {
   map->relight(scene.lights[1]);
   EXPECT_EQ(triangles(*map), all_triangles);
   const GBuffer gbuffer = small_world::make_gbuffer(scene, scene.views[0], 64, 48);
-  EXPECT_EQ(resolved(*map, gbuffer), fresh_mask("shadow_map", "", scene, scene.lights[1], gbuffer));
+  EXPECT_EQ(mask_of(*map, gbuffer), fresh_mask("shadow_map", "", scene, scene.lights[1], gbuffer));
 }
 
 // The picture of frame 0 serves all frames, so that the images that are fitted to it stay where they are.
@@ -181,21 +140,21 @@ TEST_F(MapLayers, images_of_the_view_keep_their_layer_in_the_first_resolve_alone
     const GBuffer gbuffer = row.picture();
     const auto map = made(id, settings, row.scene);
     map->relight(row.sun());
-    resolved(*map, gbuffer);
+    mask_of(*map, gbuffer);
     EXPECT_EQ(triangles(*map), all_triangles) << id;
     row.go_to(1);
     map->update(row.scene, row.posed.take_changes());
     map->relight(row.sun());
     const std::vector<float> fresh = fresh_mask(id, settings, row.scene, row.sun(), gbuffer);
-    EXPECT_EQ(resolved(*map, gbuffer), fresh) << id;
+    EXPECT_EQ(mask_of(*map, gbuffer), fresh) << id;
     EXPECT_EQ(triangles(*map), moving_triangles) << id;
-    EXPECT_EQ(resolved(*map, gbuffer), fresh) << id;
+    EXPECT_EQ(mask_of(*map, gbuffer), fresh) << id;
     EXPECT_EQ(triangles(*map), all_triangles) << id;
     row.go_to(2);
     map->update(row.scene, row.posed.take_changes());
     map->relight(row.point());  // which is no relight under the light before
     map->relight(row.sun());
-    EXPECT_EQ(resolved(*map, gbuffer), fresh_mask(id, settings, row.scene, row.sun(), gbuffer)) << id;
+    EXPECT_EQ(mask_of(*map, gbuffer), fresh_mask(id, settings, row.scene, row.sun(), gbuffer)) << id;
     EXPECT_EQ(triangles(*map), all_triangles) << id;
   }
 }
@@ -216,8 +175,8 @@ TEST_F(MapLayers, each_light_has_a_layer_of_its_own) {
     EXPECT_EQ(triangles(*first), moving_triangles) << frame;
     EXPECT_EQ(triangles(*guest), moving_triangles) << frame;
     const GBuffer gbuffer = row.picture();
-    EXPECT_EQ(resolved(*first, gbuffer), fresh_mask("shadow_map", "", row.scene, row.sun(), gbuffer)) << frame;
-    EXPECT_EQ(resolved(*guest, gbuffer), fresh_mask("shadow_map", "", row.scene, evening, gbuffer)) << frame;
+    EXPECT_EQ(mask_of(*first, gbuffer), fresh_mask("shadow_map", "", row.scene, row.sun(), gbuffer)) << frame;
+    EXPECT_EQ(mask_of(*guest, gbuffer), fresh_mask("shadow_map", "", row.scene, evening, gbuffer)) << frame;
   }
   guest->relight(row.sun());
   EXPECT_EQ(triangles(*guest), all_triangles);
@@ -261,12 +220,12 @@ void expect_as_built(const Case& map, const Scene& with, const std::vector<Light
       used->update(row.scene, row.posed.take_changes());
       used->relight(light);
       const GBuffer gbuffer = row.picture();
-      const std::vector<float> mask = resolved(*used, gbuffer);
+      const std::vector<float> mask = mask_of(*used, gbuffer);
       const std::string where = fmt::format("{}:{} under {} at frame {}", map.id, map.settings, light.name, frame);
       for (Technique* const whole : {built.get(), one_pass.get()}) {
         whole->build(row.scene);
         whole->relight(light);
-        EXPECT_EQ(mask, resolved(*whole, gbuffer)) << where << (whole == built.get() ? "" : ", in one pass");
+        EXPECT_EQ(mask, mask_of(*whole, gbuffer)) << where << (whole == built.get() ? "" : ", in one pass");
       }
       EXPECT_EQ(bytes(*used), bytes(*built)) << where;
       if (first.empty()) first = mask;

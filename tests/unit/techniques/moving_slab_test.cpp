@@ -33,10 +33,7 @@ RowPose at_frame(int frame) {
 
 std::vector<float> mask_of(Technique& technique, const Light& light, const GBuffer& gbuffer) {
   technique.relight(light);
-  VisibilityMask mask(gbuffer.width, gbuffer.height);
-  technique.resolve(gbuffer, mask);
-  const auto values = mask.read();
-  return {values.begin(), values.end()};
+  return small_world::mask_of(technique, gbuffer);
 }
 
 TEST(moving_slab, its_shadow_walks_a_third_of_a_meter_a_frame_and_comes_back) {

@@ -65,13 +65,6 @@ class World {
 
 const View view{.name = "view", .eye = {3, 7, 9}, .target = {0, 0.5f, 0}};
 
-std::vector<float> mask_of(Technique& technique, const GBuffer& gbuffer) {
-  VisibilityMask mask(gbuffer.width, gbuffer.height);
-  technique.resolve(gbuffer, mask);
-  const auto values = mask.read();
-  return {values.begin(), values.end()};
-}
-
 std::string text_of(const Counts& counts) {
   std::string text;
   for (const Count& c : counts) text += fmt::format("{} {}\n", c.name, c.value);
@@ -86,7 +79,7 @@ void expect_as_built(void (*roll)(Registry&), const std::string& settings, Techn
                      const Light& light) {
   const GBuffer gbuffer = small_world::make_gbuffer(scene, view, 32, 18);
   const small_world::Run fresh = small_world::run(roll, settings, scene, light, gbuffer);
-  EXPECT_EQ(mask_of(used, gbuffer), fresh.mask);
+  EXPECT_EQ(small_world::mask_of(used, gbuffer), fresh.mask);
   EXPECT_EQ(text_of(used.counts()), text_of(fresh.technique->counts()));
 }
 
@@ -132,7 +125,7 @@ TEST(Svbsp, objects_of_other_lights_follow) {
     if (round == 3) continue;
     second->relight(lights[1]);
     const GBuffer gbuffer = small_world::make_gbuffer(world.scene(), view, 32, 18);
-    EXPECT_EQ(mask_of(*second, gbuffer), svbsp_rig::run("", world.scene(), lights[1], gbuffer).mask);
+    EXPECT_EQ(small_world::mask_of(*second, gbuffer), svbsp_rig::run("", world.scene(), lights[1], gbuffer).mask);
   }
 }
 

@@ -3,56 +3,25 @@
 #include <gnomon/kit/gl/gl.h>
 #include <gtest/gtest.h>
 
-#include "device/context.h"
+#include "drawing_test.h"
 #include "masked.h"
-#include "measure/conformance/gl_state.h"
 #include "walking_world.h"
 
 namespace virtual_map_update_test {
 using namespace walking_world;
+using small_world::mask_of;
 using small_world::value;
 
-class VirtualMapUpdate : public testing::Test {
- protected:
-  VirtualMapUpdate() { process_context(); }
-  void TearDown() override {
-    EXPECT_EQ(state_differences(), std::vector<std::string>{});
-    release_inputs();
-  }
-};
+class VirtualMapUpdate : public DrawingTest {};
 
-/// The walking scene, of which the ground always stands still, in a row of frames 0 .. 8.
-struct Row {
-  Scene scene;
-  PosedScene posed;
-  std::string animation;
-  int width;  ///< of pictures
-
+/// With pictures of 160 pixels across: how many pages are needed depends on them.
+struct Row : walking_world::Row {
   explicit Row(std::string animation = "lift", Scene with = walking_scene(), int width = 160)
-      : scene(std::move(with)), posed(scene), animation(std::move(animation)), width(width) {
-    go_to(0);
-    posed.take_changes();
-  }
-  void go_to(int frame) { posed.go_to(in_row(frame / 8.0, animation)); }
-  const Light& sun() const { return scene.lights[1]; }
-  GBuffer picture() const { return small_world::make_gbuffer(scene, scene.views[0], width, width * 3 / 4); }
+      : walking_world::Row(std::move(animation), std::move(with), width) {}
 };
 
 constexpr const char* plain = "texels_per_pixel=4,page_size=64";
 
-std::unique_ptr<Technique> made(const std::string& settings, const Scene& scene) {
-  auto technique = registry().technique("virtual_map").make();
-  technique->apply(settings);
-  technique->setup();
-  technique->build(scene);
-  return technique;
-}
-std::vector<float> resolved(Technique& technique, const GBuffer& gbuffer) {
-  VisibilityMask mask(gbuffer.width, gbuffer.height);
-  technique.resolve(gbuffer, mask);
-  const auto pixels = mask.read();
-  return {pixels.begin(), pixels.end()};
-}
 double drawn(const Technique& technique) { return value(technique.counts(), "pages_drawn"); }
 double pages(const Technique& technique) { return value(technique.counts(), "pages"); }
 /// A scene in which pages stay counts them.
@@ -65,9 +34,9 @@ struct Fresh {
   std::unique_ptr<Technique> technique;
   std::vector<float> mask;
   Fresh(const std::string& settings, const Scene& scene, const Light& light, const GBuffer& gbuffer)
-      : technique(made(settings, scene)) {
+      : technique(made("virtual_map", settings, scene)) {
     technique->relight(light);
-    mask = resolved(*technique, gbuffer);
+    mask = mask_of(*technique, gbuffer);
   }
 };
 
@@ -83,9 +52,9 @@ void expect_same_counts(const Technique& a, const Technique& b, const std::strin
 double expect_as_built(const std::string& settings, const Light& light, Row row,
                        const std::vector<int>& frames = {1, 2, 3, 8, 8, 4, 0}) {
   double share = 0;
-  const auto map = made(settings, row.scene);
+  const auto map = made("virtual_map", settings, row.scene);
   map->relight(light);
-  resolved(*map, row.picture());
+  mask_of(*map, row.picture());
   for (const int frame : frames) {
     const std::string where = fmt::format("{} under {} at frame {} of {}", settings, light.name, frame, row.animation);
     row.go_to(frame);
@@ -93,15 +62,15 @@ double expect_as_built(const std::string& settings, const Light& light, Row row,
     map->update(row.scene, row.posed.take_changes());
     map->relight(light);
     const Fresh fresh(settings, row.scene, light, gbuffer);
-    EXPECT_EQ(resolved(*map, gbuffer), fresh.mask) << where;
+    EXPECT_EQ(mask_of(*map, gbuffer), fresh.mask) << where;
     EXPECT_EQ(value(map->counts(), "bytes"), value(fresh.technique->counts(), "bytes")) << where;
     EXPECT_EQ(pages(*map), pages(*fresh.technique)) << where;
     share += drawn(*map) / pages(*map) / double(frames.size());
     if (frame % 2 == 0) continue;
-    EXPECT_EQ(resolved(*map, gbuffer), fresh.mask) << where << ", once more";
+    EXPECT_EQ(mask_of(*map, gbuffer), fresh.mask) << where << ", once more";
     expect_same_counts(*map, *fresh.technique, where);
     map->relight(light);
-    EXPECT_EQ(resolved(*map, gbuffer), fresh.mask) << where << ", relit once more";
+    EXPECT_EQ(mask_of(*map, gbuffer), fresh.mask) << where << ", relit once more";
     expect_same_counts(*map, *fresh.technique, where);
   }
   return share;
@@ -137,14 +106,14 @@ TEST_F(VirtualMapUpdate, in_a_pool_of_several_layers_too) {
 TEST_F(VirtualMapUpdate, a_caster_that_moves_out_of_sight_of_pages_spoils_few) {
   Row row;
   const GBuffer gbuffer = row.picture();
-  const auto map = made(plain, row.scene);
+  const auto map = made("virtual_map", plain, row.scene);
   map->relight(row.sun());
-  resolved(*map, gbuffer);
+  mask_of(*map, gbuffer);
   EXPECT_EQ(drawn(*map), pages(*map)) << "at first all are drawn";
   row.go_to(1);
   map->update(row.scene, row.posed.take_changes());
   map->relight(row.sun());
-  resolved(*map, gbuffer);
+  mask_of(*map, gbuffer);
   EXPECT_GT(drawn(*map), 0);
   EXPECT_LT(drawn(*map), 0.5 * pages(*map));
 }
@@ -156,16 +125,16 @@ TEST_F(VirtualMapUpdate, another_light_another_rule_and_another_build_draw_all_p
   for (const glm::vec3& p : box.positions) box.uv.emplace_back(p.x, p.z);
   Row row("lift", std::move(with_holes));
   const GBuffer gbuffer = row.picture();
-  const auto map = made(plain, row.scene);
+  const auto map = made("virtual_map", plain, row.scene);
   int frame = 0;
   const auto step = [&](const std::function<void()>& between) {
     map->relight(row.sun());
-    resolved(*map, gbuffer);
+    mask_of(*map, gbuffer);
     row.go_to(++frame % 9);
     map->update(row.scene, row.posed.take_changes());
     between();
     map->relight(row.sun());
-    EXPECT_EQ(resolved(*map, gbuffer), Fresh(map->settings(), row.scene, row.sun(), gbuffer).mask) << frame;
+    EXPECT_EQ(mask_of(*map, gbuffer), Fresh(map->settings(), row.scene, row.sun(), gbuffer).mask) << frame;
     return drawn(*map) == pages(*map);
   };
   EXPECT_FALSE(step([] {}));
@@ -179,28 +148,28 @@ TEST_F(VirtualMapUpdate, another_light_another_rule_and_another_build_draw_all_p
 // What was drawn before two updates is still right where no caster moves.
 TEST_F(VirtualMapUpdate, several_updates_before_a_resolve_spoil_nothing) {
   Row row("walk");
-  const auto map = made(plain, row.scene);
+  const auto map = made("virtual_map", plain, row.scene);
   map->relight(row.sun());
-  resolved(*map, row.picture());
+  mask_of(*map, row.picture());
   for (const int frame : {3, 5}) {
     row.go_to(frame);
     map->update(row.scene, row.posed.take_changes());
     map->relight(row.sun());
   }
   const GBuffer gbuffer = row.picture();
-  EXPECT_EQ(resolved(*map, gbuffer), Fresh(plain, row.scene, row.sun(), gbuffer).mask);
+  EXPECT_EQ(mask_of(*map, gbuffer), Fresh(plain, row.scene, row.sun(), gbuffer).mask);
   EXPECT_LT(drawn(*map), pages(*map));
 }
 
 // Only the first of two objects is told of the update. At frame 0 the point light's pages fill a row of the pool less.
 TEST_F(VirtualMapUpdate, each_light_keeps_pages_of_its_own) {
   Row row;
-  const auto first = made(plain, row.scene);
+  const auto first = made("virtual_map", plain, row.scene);
   const auto guest = first->for_another_light();
   const auto answer = [&](Technique& technique, const Light& light) {
     const GBuffer gbuffer = row.picture();
     technique.relight(light);
-    EXPECT_EQ(resolved(technique, gbuffer), Fresh(plain, row.scene, light, gbuffer).mask) << light.name;
+    EXPECT_EQ(mask_of(technique, gbuffer), Fresh(plain, row.scene, light, gbuffer).mask) << light.name;
   };
   for (const int frame : {0, 1, 2, 4}) {
     row.go_to(frame);
@@ -227,14 +196,14 @@ TEST_F(VirtualMapUpdate, where_nothing_moves_and_where_all_does_there_is_nothing
 // Questions about a picture draw no pages into the pool that the next picture keeps.
 TEST_F(VirtualMapUpdate, questions_spoil_nothing) {
   Row row;
-  const auto map = made(plain, row.scene);
+  const auto map = made("virtual_map", plain, row.scene);
   for (const int frame : {0, 2, 4}) {
     row.go_to(frame);
     map->update(row.scene, row.posed.take_changes());
     map->relight(row.sun());
     const GBuffer gbuffer = row.picture();
     const Fresh fresh(plain, row.scene, row.sun(), gbuffer);
-    EXPECT_EQ(resolved(*map, gbuffer), fresh.mask) << frame;
+    EXPECT_EQ(mask_of(*map, gbuffer), fresh.mask) << frame;
     for (const DebugLayer& layer : map->debug_layers())
       EXPECT_EQ(map->draw_debug(layer.name), fresh.technique->draw_debug(layer.name)) << frame << ' ' << layer.name;
     for (std::size_t i = 0; i < gbuffer.size(); i += 97) {
