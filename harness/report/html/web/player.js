@@ -118,7 +118,8 @@ class Player {
     );
     this.which.element.classList.add("wide");
     const bar = h("div", { class: "bar" }, this.which.element);
-    section.append(h("article", { class: "card player" }, h("h3", {}, "Frames"), bar, this.reason, this.content));
+    const lead = h("p", { class: "lead" }, "What a row answers from frame to frame, beside the reference.");
+    section.append(h("article", { class: "card player" }, h("h3", {}, "Frames"), lead, bar, this.reason, this.content));
     this.content.addEventListener("keydown", (event) => this.key(event));
     this.listenForPicks();
     this.ends.element.hidden = true;

@@ -50,6 +50,6 @@ export function framesCard(redraw) {
       caption: "Frames count from 0. A metric that looks at the frame before has no value at the first.",
     };
   }
-  const lead = "What flickers while camera or light moves.";
+  const lead = "What flickers while something moves.";
   return { name: "frames", title: "Along the path", lead, controls: [where.element, metric.element], draw };
 }
