@@ -36,7 +36,7 @@ class BackprojectedMap final : public AreaMap {
   BackprojectedMap() : AreaMap({.resolution = 512, .most_radius = 32}) {}
   Support supports(const Scene& scene, const Light& light, const View& view) const override {
     const Support support = AreaMap::supports(scene, light, view);
-    if (!support || std::holds_alternative<RectLight>(light.kind)) return support;
+    if (!support || LightShape(light).form == LightShape::Form::rectangle) return support;
     const char* const why = "a square of the same area stands for a disc, and for what is seen of a sphere";
     return glass.limit(scene, Support::approximate(why));
   }

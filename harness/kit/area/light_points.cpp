@@ -76,8 +76,9 @@ std::vector<glm::vec3> light_points(const Light& light, std::string_view pattern
 }
 
 bool has_far_side(const Light& light) {
-  const auto* const sphere = std::get_if<SphereLight>(&light.kind);
-  return sphere && sphere->radius > 0x1p-18 * extent(sphere->center);
+  if (!has_area(light)) return false;
+  const LightShape shape(light);
+  return !shape.is_flat() && shape.radius > 0x1p-18 * extent(shape.center);
 }
 
 PointWeights::PointWeights(const Light& light, const glm::dvec3& position, const glm::dvec3& normal)
@@ -85,7 +86,7 @@ PointWeights::PointWeights(const Light& light, const glm::dvec3& position, const
   const LightFigure figure(light, position, normal);
   is_seen_ = figure.is_seen();
   if (is_seen_ && has_far_side(light)) {
-    const auto& sphere = std::get<SphereLight>(light.kind);
+    const LightShape sphere(light);
     const double distance = glm::length(figure.center());
     center_ = sphere.center;
     axis_ = figure.center() / distance;

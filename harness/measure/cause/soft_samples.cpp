@@ -1,5 +1,6 @@
 // What the sampled places of the light say about a technique's error.
 #include <gnomon/kit/area/area_rays.h>
+#include <gnomon/kit/area/light_shape.h>
 #include <gnomon/kit/parallel.h>
 
 #include <algorithm>
@@ -122,7 +123,7 @@ bool SampleCauses::share_places(std::uint32_t pixel, const Explanation& why, std
   for (std::size_t j = 0; j < why.samples.size(); ++j) sum += glm::distance(why.samples[j].place, why_before.samples[j].place);
   // On a sphere the disc that is seen turns with the point by as much as the way to it does.
   double turned = 0;
-  if (std::holds_alternative<SphereLight>(a_.light.kind))
+  if (!LightShape(a_.light).is_flat())
     turned = 2 * size * glm::distance(point, point_before) / std::max(glm::length(figure.center()), size);
   return sum / static_cast<double>(why.samples.size()) <= std::min(0.02 * size + turned, 0.2 * size);
 }

@@ -1,4 +1,5 @@
 #pragma once
+#include <gnomon/kit/area/light_shape.h>
 #include <gnomon/kit/maps/light_map.h>
 #include <gnomon/kit/maps/map_causes.h>
 #include <gnomon/kit/shared.h>
@@ -120,7 +121,7 @@ class AreaMap : public Technique {
     DepthImages::StillLayer still;  // of the depths
   };
   int margin() const { return most_radius + 2; }
-  int program_index() const { return std::holds_alternative<RectLight>(light_.kind) ? 0 : 1; }
+  int program_index() const { return LightShape(light_).form == LightShape::Form::rectangle ? 0 : 1; }
   Program program(int which, std::string_view title, std::string_view first_line) const;
   void draw_images(LightCamera&& camera);
   /// Draws the images of the present camera; answers how many triangles were drawn.
