@@ -86,6 +86,12 @@ struct OwnCause {
   std::array<std::uint8_t, 3> color{};  ///< sRGB, in every picture; at least 10 in CIE Lab from every other cause's
 };
 
+/// A part of what a mask is wrong by, signed.
+struct ErrorTerm {
+  std::string_view cause;     ///< of About::causes
+  std::vector<float> values;  ///< of each pixel
+};
+
 struct About {
   std::string_view title;
   std::string_view summary;  ///< one sentence
@@ -106,6 +112,8 @@ struct About {
   std::span<const std::string_view> lights = {};  ///< kinds that a program supports; empty: `supports` tells
   /// How far a mask after updates may be from that after a build, mean over the tested pixels; 0: bit for bit.
   float update_error = 0;
+  /// A mask depends on the pictures before it, see Technique::forget. Every other technique answers as if there were none.
+  bool remembers = false;
   bool named_only = false;  ///< not among what `*` stands for: an engine, which runs only where it is named
 };
 
@@ -123,8 +131,8 @@ inline constexpr Feature with_gray_transmission[] = {Feature::alpha_masks, Featu
 /// later stage may be repeated without the earlier ones, with other arguments. A parameter set afterwards is seen from the
 /// stage that it spoils on. Scene, light and G-buffer outlive the technique until the next build, relight, resolve.
 /// Where the scene's vertices moved, update takes build's place; relight and resolve follow it always.
-/// Every call does its whole work: it may reuse allocations, never answers, but for what `update` says. GL techniques find the
-/// GL state at its defaults, restore it, and drain the queue before a stage returns.
+/// Every call does its whole work: it may reuse allocations, never answers, but for what `update` and `forget` say. GL
+/// techniques find the GL state at its defaults, restore it, and drain the queue before a stage returns.
 class Technique : public Parametrized {
  public:
   /// Called before anything runs, on a fresh object with its parameters set: without GL, and of one that draws again where a
@@ -141,6 +149,11 @@ class Technique : public Parametrized {
   virtual void relight(const Light& light) = 0;
   /// Writes every pixel of the mask and nothing else.
   virtual void resolve(const GBuffer& gbuffer, VisibilityMask& mask) = 0;
+  /// Of one that remembers: the next resolve is the first of a sequence, as on a fresh object. Every resolve after it is the
+  /// next frame, also where nothing has changed; light, camera and vertices may differ from frame to frame, and build and
+  /// settings do not within a sequence. The harness calls it before each sequence. Who needs the G-buffer of the frame before
+  /// keeps a copy, which shares its arrays, and counts their bytes.
+  virtual void forget() {}
   virtual Counts counts() const = 0;
   /// An object for another light, which shares what setup and build make, now and later: these two stages are called on this
   /// object alone, relight, resolve and all questions on each. It has this one's settings, and counts only what it holds
@@ -149,6 +162,11 @@ class Technique : public Parametrized {
   virtual std::unique_ptr<Technique> for_another_light() const { return nullptr; }
   /// Why pixel `index` of the last resolve got its answer; nothing when the technique has no samples to show. Untimed.
   virtual std::optional<Explanation> explain([[maybe_unused]] std::size_t index) const { return std::nullopt; }
+  /// The parts of the difference between the mask of the last resolve and `exact`, what is exact of each of its pixels: they
+  /// add up to it within 1e-6 wherever the light is faced. None from techniques that cannot tell. Called after every resolve of
+  /// a sequence from its first one on, once, or after none. `explain` then names the cause of the largest of them that has the
+  /// sign of the difference. Untimed.
+  virtual std::vector<ErrorTerm> error_terms([[maybe_unused]] std::span<const float> exact) { return {}; }
   /// The curve of the texel in which pixel `index` of the last resolve was looked up; nothing from techniques that hold none,
   /// and where they looked nothing up. Untimed.
   virtual std::optional<DepthCurve> depth_curve([[maybe_unused]] std::size_t index) const { return std::nullopt; }
