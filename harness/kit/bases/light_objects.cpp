@@ -54,6 +54,10 @@ std::optional<Stage> LightObjects::set(const std::string& settings) {
   return spoiled;
 }
 
+void LightObjects::forget() {
+  for (Object& object : objects_) object.technique->forget();
+}
+
 Counts LightObjects::counts() const {
   Counts sum;
   std::vector<double> times;  // how many objects gave it

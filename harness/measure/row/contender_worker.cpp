@@ -57,6 +57,11 @@ FrameRequest SceneRun::request(const RowFrame& frame, Truth truth) {
   return {frames.gbuffer_file(of), of.width, of.height, of.truth, std::move(seen), of.pose};
 }
 
+std::string SceneRun::shown(const RowFrame& frame, Truth truth) {
+  const FrameKey of = key(frame, truth);
+  return content_hash(light_and_view_bytes(lights(frame), of.view)) + (of.pose ? of.pose->hash : "");
+}
+
 ContenderWorker::ContenderWorker(SceneRun& run, std::string technique, std::string settings, const WorkerOptions& options)
     : run_(run),
       technique_(std::move(technique)),
@@ -67,11 +72,13 @@ void ContenderWorker::begin_load() {
   client_.begin_load({.scene_file = run_.frames.scene_file(), .technique = technique_, .settings = settings_});
 }
 
-Support ContenderWorker::go(const RowFrame& frame, Truth truth) {
+Support ContenderWorker::go(const RowFrame& frame, Truth truth, bool begins_sequence) {
   frame_ = frame;
   truth_ = truth;
   run_.go_to(frame);
-  reply_ = client_.frame(run_.request(frame, truth));
+  FrameRequest request = run_.request(frame, truth);
+  request.begins_sequence = begins_sequence;
+  reply_ = client_.frame(request);
   if (!reply_.support) return reply_.support;
   const View view = run_.key(frame, truth).view;
   for (const Light& light : run_.lights(frame))
@@ -118,6 +125,26 @@ std::vector<Answer> ContenderWorker::answers(Record* record) {
   record->gl = reply.gl;
   if (!reply.maker.empty()) record->context["plugin"]["maker"] = reply.maker;
   return answers;
+}
+
+bool ContenderWorker::check_error_terms(std::span<const Answer> answers) {
+  constexpr double rounding = 1e-6;
+  bool has_any = false;
+  for (std::size_t light = 0; light < answers.size(); ++light) {
+    if (!supports_light(light)) continue;
+    const Evidence e = answers[light].evidence();
+    const ErrorParts parts = client_.error_terms(e.reference, light);
+    if (parts.causes.empty()) continue;
+    has_any = true;
+    for (std::size_t i = 0; i < e.mask.size(); ++i) {
+      if (!e.faces_light(i)) continue;
+      double sum = 0;
+      for (const std::vector<float>& values : parts.values) sum += values[i];
+      if (const double off = static_cast<double>(e.mask[i]) - e.reference[i]; !(std::abs(sum - off) <= rounding))
+        throw Error("{}'s error terms add up to {} at pixel {}, where its mask is off by {}", technique_, sum, i, off);
+    }
+  }
+  return has_any;
 }
 
 void ContenderWorker::count_times_again(Record& record) {

@@ -46,6 +46,8 @@ struct SceneRun {
   // Both are for the frame that the scene is at.
   FrameKey key(const RowFrame& frame, Truth truth);
   FrameRequest request(const RowFrame& frame, Truth truth);
+  /// All that the picture of a frame shows, as text: the same for frames that show the same.
+  std::string shown(const RowFrame& frame, Truth truth);
 };
 
 /// Does something of a frame of a row on a path. Where its worker fails, the failure says at which frame.
@@ -65,8 +67,9 @@ class ContenderWorker {
   /// The worker loads scene and technique; in two parts, so that all workers of a batch can load at the same time.
   void begin_load();
   void end_load() { client_.end_load(); }
-  /// Goes to a frame under a truth. Returns the technique's support, or the reference's where that has no answer.
-  Support go(const RowFrame& frame, Truth truth);
+  /// Goes to a frame under a truth. Returns the technique's support, or the reference's where that has no answer. Where it
+  /// begins a sequence, a technique that remembers forgets the frames before.
+  Support go(const RowFrame& frame, Truth truth, bool begins_sequence = false);
   /// Objects that do setup and build for the frame: one for each of several lights where these share nothing, else one for each
   /// channel.
   std::size_t object_count() const;
@@ -79,6 +82,10 @@ class ContenderWorker {
   /// The technique's mask of the frame under each light beside the reference, causes left out; counts and memory go to `record`
   /// unless it is null.
   std::vector<Answer> answers(Record* record);
+  /// Hands the technique what is exact at each pixel of the frame, once after each resolve of a sequence. Throws Error where
+  /// the parts that it answers do not add up to the difference of these answers, which are of that resolve. Returns whether it
+  /// answers any.
+  bool check_error_terms(std::span<const Answer> answers);
   /// Of a technique that runs in a program of its own: what it counted of time, after more frames.
   void count_times_again(Record& record);
   /// The technique's picture of all light beside the reference's, both sums over the lights with area; nothing where the frame

@@ -4,8 +4,11 @@
 #include <gnomon/kit/area/path_light.h>
 #include <gnomon/registry.h>
 
+#include <deque>
+
 #include "measure/cause/own_causes.h"
 #include "measure/row/score_row.h"
+#include "measure/score/memory_score.h"
 #include "measure/score/over_time.h"
 
 namespace gnomon {
@@ -51,18 +54,34 @@ class RowMeasurement {
     record.frames.clear();
   }
 
-  /// Returns false, with the reason in the record, when the frame is unsupported.
-  bool add(const RowFrame& frame) {
-    before_ = std::move(now_);
-    now_ = MeasuredRow();
-    for (Light& light : run_.lights(frame)) now_.lights.push_back({std::move(light), {}});
-    if (run_.scene.has_curved_shapes()) {
-      if (!take_support(record_, worker_.go(frame, other_truth_), frame)) return false;
-      add_other_truth();
+  /// Every frame in its order. Returns false, with the reason in the record, when one is unsupported. `each` is called after
+  /// each.
+  bool add_all(const RowFrame& first, const std::function<void(int)>& each) {
+    const bool has_two_truths = run_.scene.has_curved_shapes();
+    // Frames of one truth are no history of those of the other.
+    std::deque<MeasuredRow> others;
+    const auto at = [&](const RowFrame& frame, const auto& add) { return frame.path ? at_frame(frame.number, add) : add(); };
+    if (about_.remembers && has_two_truths)
+      for (RowFrame frame = first; frame.number < first.count(); ++frame.number) {
+        if (!at(frame, [&] { return add_other_truth(frame); })) return false;
+        others.push_back(std::move(now_));
+      }
+    for (RowFrame frame = first; frame.number < first.count(); ++frame.number) {
+      before_ = std::move(now_);
+      const bool is_there = at(frame, [&] {
+        if (!others.empty()) {
+          now_ = std::move(others.front());
+          others.pop_front();
+        } else if (has_two_truths) {
+          if (!add_other_truth(frame)) return false;
+        } else {
+          start(frame);
+        }
+        return add_headline_truth(frame);
+      });
+      if (!is_there) return false;
+      each(frame.number);
     }
-    if (!take_support(record_, worker_.go(frame, truth_), frame)) return false;
-    if (frame.number == 0) worker_.note_lights(record_);
-    add_headline_truth(frame);
     return true;
   }
   /// The frame that was added last.
@@ -73,6 +92,7 @@ class RowMeasurement {
     for (const PathScore& light : light_scores_) lights.push_back(light.score());
     Score whole = score_.score(), other = other_score_.score();
     if (follows_path_) put_over_time(whole, lights, other);
+    if (!follows_path_ && about_.remembers) put_memory(whole, lights);
     put_score(record_, lights, whole);
     record_.metrics[other_truth_] = run_.scene.has_curved_shapes() ? other.metrics : record_.metrics[truth_];
     if (std::size(record_.lights) == 1) {  // the worst of all frames
@@ -87,14 +107,31 @@ class RowMeasurement {
   /// Metrics over all frames, of the row as a whole against its headline truth; like instability none of one of several lights.
   void put_over_time(Score& whole, std::vector<Score>& lights, Score& other) const {
     const Metrics over_time = time_score_ ? time_score_->metrics() : no_metrics_over_time(), none = no_metrics_over_time();
-    const auto put = [](Score& score, const Metrics& metrics) { score.metrics.insert(metrics.begin(), metrics.end()); };
-    put(whole, over_time);
-    for (Score& light : lights) put(light, std::size(lights) == 1 ? over_time : none);
-    put(other, none);
+    put(whole.metrics, over_time);
+    for (Score& light : lights) put(light.metrics, std::size(lights) == 1 ? over_time : none);
+    put(other.metrics, none);
+    put_memory(whole, lights);
+  }
+  void put_memory(Score& whole, std::vector<Score>& lights) const {
+    put(whole.metrics, memory_score_.metrics());
+    if (std::size(lights) == 1) put(lights.front().metrics, memory_score_.metrics());
+  }
+  static void put(Metrics& metrics, const Metrics& more) {
+    for (const auto& [name, value] : more) metrics[name] = value;
   }
 
-  /// Metrics against the other truth, its masks, and which of their pixels are right, for causes.
-  void add_other_truth() {
+  void start(const RowFrame& frame) {
+    now_ = MeasuredRow();
+    for (Light& light : run_.lights(frame)) now_.lights.push_back({std::move(light), {}});
+  }
+
+  /// Metrics against the other truth, its masks, and which of their pixels are right, for causes. Returns whether the frame is
+  /// supported.
+  bool add_other_truth(const RowFrame& frame) {
+    start(frame);
+    if (!take_support(record_, go(frame, other_truth_), frame)) return false;
+    if (settles_before(frame))
+      for (int k = 1; k < still_frames; ++k) worker_.client().time(Stage::resolve);
     MeasuredRow other = now_;
     take_answers(other, nullptr);
     put_together(other, run_.scene);
@@ -108,10 +145,15 @@ class RowMeasurement {
         for (std::size_t i = 0; i < evidence.mask.size(); ++i) now->right_on_mesh.push_back(is_right(evidence, i));
       (now++)->other_mask = std::move(light.answer.mask);
     }
+    return true;
   }
 
-  void add_headline_truth(const RowFrame& frame) {
+  bool add_headline_truth(const RowFrame& frame) {
+    if (!take_support(record_, go(frame, truth_), frame)) return false;
+    if (frame.number == 0) worker_.note_lights(record_);
+    if (settles_before(frame)) settle();
     take_answers(now_, &record_);
+    take_error_terms(now_);
     std::size_t number = 0;
     for (MeasuredLight& light : now_.lights) find_causes_under(light, number++);
     put_together(now_, run_.scene);
@@ -121,8 +163,39 @@ class RowMeasurement {
     if (time_score_) time_score_->add(now_.evidence(run_.scene));
     auto sum = light_scores_.begin();
     for (const Score& light : score.lights) (sum++)->add(light);
-    if (frame.path)
+    if (frame.path) {
       for (const auto& [metric, value] : score.whole.metrics) record_.frames[metric].push_back(value);
+      memory_score_.add_frame(score.whole.metrics.find("error")->second, run_.shown(frame, truth_));
+    } else if (about_.remembers) {
+      settle();
+    }
+    return true;
+  }
+
+  Support go(const RowFrame& frame, Truth truth) { return worker_.go(frame, truth, about_.remembers && frame.number == 0); }
+  /// A path begins when what the technique remembers has settled; a still is scored cold.
+  bool settles_before(const RowFrame& frame) const { return about_.remembers && frame.path && frame.number == 0; }
+
+  /// Resolves until still_frames of the frame's first picture are there, those that are included.
+  void settle() {
+    for (int k = 0; k < still_frames; ++k) {
+      if (k > 0) worker_.client().time(Stage::resolve);
+      if (k > 0 && k < still_frames - settled_frames && !has_error_terms_) continue;
+      MeasuredRow still;
+      for (const MeasuredLight& light : now_.lights) still.lights.push_back({light.light, {}});
+      take_answers(still, nullptr);
+      // Of a still the first is measured by now; of a path the last will be.
+      if (follows_path_ ? k + 1 < still_frames : k > 0) take_error_terms(still);
+      put_together(still, run_.scene);
+      memory_score_.add_still(k, measure_metric(Scoring(still.evidence(run_.scene)), "error"));
+    }
+  }
+
+  void take_error_terms(const MeasuredRow& row) {
+    if (!has_error_terms_) return;
+    std::vector<Answer> answers;
+    for (const MeasuredLight& light : row.lights) answers.push_back(light.answer);
+    has_error_terms_ = worker_.check_error_terms(answers);
   }
 
   void take_answers(MeasuredRow& row, Record* record) {
@@ -156,6 +229,8 @@ class RowMeasurement {
   std::vector<PathScore> light_scores_;
   PathScore other_score_;
   std::optional<TimeScore> time_score_;
+  MemoryScore memory_score_;
+  bool has_error_terms_ = true;  ///< as far as is known
   MeasuredRow now_, before_;
 };
 
@@ -173,11 +248,10 @@ std::optional<MeasuredRow> measure(Record& record, SceneRun& run, ContenderWorke
   if (first.path && first.path->moves == Path::Moves::geometry && worker.go(first, record.truth))
     worker.client().time(Stage::build);
   RowMeasurement measurement(record, run, worker, first);
-  for (RowFrame frame = first; frame.number < first.count(); ++frame.number) {
-    const auto add = [&] { return measurement.add(frame); };
-    if (!(frame.path ? at_frame(frame.number, add) : add())) return std::nullopt;
-    if (kept) kept->add(frame.number, measurement.now(), run.scene);
-  }
+  const auto keep = [&](int number) {
+    if (kept) kept->add(number, measurement.now(), run.scene);
+  };
+  if (!measurement.add_all(first, keep)) return std::nullopt;
   if (kept) kept->finish();
   if (first.path) worker.go(first, record.truth);
   return measurement.finish();

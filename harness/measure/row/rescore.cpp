@@ -70,7 +70,7 @@ class Row {
     const std::string lost = take_causes(row);
     put_together(row, *current_.scene);
     RowScore fresh = score(row, *current_.scene);
-    keep_global(fresh.whole.metrics, truth);
+    keep_others(fresh.whole.metrics, truth);
     if (!row.together) fresh.lights = {fresh.whole};
     put_score(record_, fresh);
     if (!current_.scene->has_curved_shapes()) {
@@ -80,7 +80,7 @@ class Row {
       put_together(on_other, *current_.scene);
       const Evidence evidence = on_other.evidence(*current_.scene);
       Metrics metrics = measure_metrics(Scoring(evidence));
-      keep_global(metrics, other);
+      keep_others(metrics, other);
       record_.metrics[other] = std::move(metrics);
     }
     return lost;
@@ -97,9 +97,11 @@ class Row {
     return kept_row(record_, file_, what, kept_place(record_, *current_.scene, truth), *current_.frames);
   }
 
-  /// Masks alone are kept: the metric of the picture of all light stays.
-  void keep_global(Metrics& metrics, Truth truth) const {
+  /// One mask alone is kept: metrics of the picture of all light and of further frames stay.
+  void keep_others(Metrics& metrics, Truth truth) const {
     metrics["radiosity_error"] = record_.metric(truth, "radiosity_error");
+    for (const auto& [name, value] : record_.metrics[truth])
+      if (metric_is_of(name) == MetricInfo::Of::row) metrics[name] = value;
   }
 
   /// Puts the causes of the file into the row's lights, unless they belong to other frames: then none has any. Returns why the

@@ -322,7 +322,7 @@ class Batch {
   TimingTask warm_up(PendingRow& row, MotionWalk& walk) {
     const double slowest = walk.warm_up(suite_.warmups);
     std::uint64_t& iterations = row.record.iterations["update"];
-    if (iterations == 0) iterations = static_cast<std::uint64_t>(motion_iterations(slowest, *row.job.times->frames - 1));
+    if (iterations == 0) iterations = static_cast<std::uint64_t>(motion_iterations(row.job, slowest));
     return walk.task(slowest > 500 ? 1 : suite_.repetitions, static_cast<int>(iterations));
   }
 

@@ -2,6 +2,7 @@
 #include "measure/run/motion_walk.h"
 
 #include <gnomon/error.h>
+#include <gnomon/registry.h>
 
 #include "measure/notice.h"
 
@@ -42,6 +43,11 @@ int motion_iterations(double ms, int step_count) {
   const int steps = std::max(iterations_for(ms), least);
   const int round = 2 * step_count;  // forth and back
   return steps >= round ? steps - steps % round : std::min(steps, step_count);
+}
+
+int motion_iterations(const Job& job, double ms) {
+  const int step_count = *job.times->frames - 1;
+  return registry().technique(job.contender.technique).about.remembers ? step_count : motion_iterations(ms, step_count);
 }
 
 MotionTime MotionWalk::step(int k, int steps, double shift) {

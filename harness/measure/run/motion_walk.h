@@ -1,5 +1,5 @@
 #pragma once
-#include "measure/row/contender_worker.h"
+#include "measure/run/jobs.h"
 #include "measure/run/timing.h"
 
 namespace gnomon {
@@ -51,6 +51,8 @@ MotionTime timed_motion(WorkerClient& worker, const FrameRequest& request, int n
 /// Steps that a sample averages in a row of so many where one takes `ms`: as many as iterations_for says, and where that is
 /// cheap, 0.2 s, up to four, for one step is one pose. At most all, or all of them forth and back, some times.
 int motion_iterations(double ms, int step_count);
+/// The same of a job. Of a technique that remembers frames all steps, for they cost what they do in their order.
+int motion_iterations(const Job& job, double ms);
 
 /// One worker's walk over the frames of a row. Each sample is the mean over steps that are spread evenly over the row; between
 /// steps that do not follow one another it jumps, which takes its time and counts for nothing.

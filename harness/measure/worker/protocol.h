@@ -11,7 +11,7 @@ namespace gnomon {
 
 /// Version of these, and of the files that pass between both sides. One more with every change that an older worker would
 /// misunderstand.
-inline constexpr int worker_protocol = 6;
+inline constexpr int worker_protocol = 7;
 
 /// A worker with a request for several iterations of a stage answers after the one in which these seconds are over, with as
 /// many as it has done: an answer takes no longer than this and one call of the stage.
@@ -108,6 +108,7 @@ struct GoRequest {
   std::string path = {};                ///< its name; empty: light and view do not move
   int frame = 0;                        ///< on the path
   std::optional<WantedPose> pose = {};  ///< nothing: meshes are at rest
+  bool begins_sequence = false;         ///< Technique::forget first; so does another size or truth
   struct Reply {
     SupportReply support;
     int fresh = 0;
@@ -119,7 +120,7 @@ struct GoRequest {
 void for_each_field(MaybeConst<GoRequest> auto& r, const auto& use) {
   use("gbuffer", r.gbuffer, "width", r.width, "height", r.height, "truth", r.truth);
   use("light_and_view", r.light_and_view, "lights", r.lights, "view", r.view);
-  use("path", r.path, "frame", r.frame, "pose", r.pose);
+  use("path", r.path, "frame", r.frame, "pose", r.pose, "begins_sequence", r.begins_sequence);
 }
 void for_each_field(MaybeConst<GoRequest::Reply> auto& r, const auto& use) {
   use("support", r.support, "fresh", r.fresh, "lights", r.lights, "shares", r.shares, "floor", r.floor);
@@ -211,6 +212,20 @@ void for_each_field(MaybeConst<ExplainRequest> auto& r, const auto& use) {
   use("pixels", r.pixels, "out", r.out, "light", r.light);
 }
 void for_each_field(MaybeConst<ExplainRequest::Reply> auto& r, const auto& use) { use("explained", r.explained); }
+
+/// Technique::error_terms: `exact` holds a float for each pixel, `out` gets as many for each term, one term after the other.
+struct ErrorTermsRequest {
+  static constexpr const char* verb = "error_terms";
+  std::string exact, out;
+  std::size_t light = 0;
+  struct Reply {
+    std::vector<std::string> causes;  ///< of each term
+  };
+};
+void for_each_field(MaybeConst<ErrorTermsRequest> auto& r, const auto& use) {
+  use("exact", r.exact, "out", r.out, "light", r.light);
+}
+void for_each_field(MaybeConst<ErrorTermsRequest::Reply> auto& r, const auto& use) { use("causes", r.causes); }
 
 void for_each_field(MaybeConst<SharesAlong> auto& r, const auto& use) { use("depth", r.depth, "share", r.share); }
 void for_each_field(MaybeConst<DepthCurve> auto& r, const auto& use) {

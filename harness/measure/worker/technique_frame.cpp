@@ -49,7 +49,10 @@ void TechniqueFrame::forget_frame() {
 
 SetRequest::Reply TechniqueFrame::set(const std::string& settings) {
   settings_ = settings;
-  if (const auto spoiled = objects_->set(settings)) fresh_ = std::min(fresh_, static_cast<int>(*spoiled) - 1);
+  if (const auto spoiled = objects_->set(settings)) {
+    fresh_ = std::min(fresh_, static_cast<int>(*spoiled) - 1);
+    objects_->forget();
+  }
   return {fresh_ + 1};
 }
 
@@ -76,8 +79,11 @@ GoRequest::Reply TechniqueFrame::go_to(const GoRequest& request) {
   if (known.width != requested.key.width || known.height != requested.key.height)
     known = map_gbuffer(request.gbuffer, requested.key);
   bare_pass_.reset();
+  const bool is_other_picture =
+      known.width != gbuffer_.width || known.height != gbuffer_.height || known.truth != gbuffer_.truth;
   gbuffer_ = known;
   const std::vector<Support> supports = hold_objects(requested.key);
+  if (request.begins_sequence || is_other_picture) objects_->forget();
   const Support support = support_of_row(*lights_, supports);
   GoRequest::Reply reply{.support = reply_of(support), .fresh = fresh_ + 1};
   for (const Support& one : supports) reply.lights.push_back(reply_of(one));
@@ -154,6 +160,7 @@ TechniqueFrame::StageTime TechniqueFrame::time(Stage stage) {
   fresh_ = std::min(fresh_, sees_meshes ? static_cast<int>(Stage::setup) : static_cast<int>(stage) - 1);
   if (uses_gl_) inputs_.prepare(stage, scenes(), gbuffer_);
   std::optional<CountedStage> counted(std::in_place, name(stage).data());
+  if (stage <= Stage::build) objects_->forget();
   const auto start = std::chrono::steady_clock::now();
   if (stopwatch_) stopwatch_->start();
   const std::optional<double> own_ms = call(stage, changes);

@@ -38,6 +38,7 @@ class TechniqueFrame {
   FloorRequest::Reply floor(int times);
 
   const Scene& scene() const { return scene_; }
+  const GBuffer& gbuffer() const { return gbuffer_; }
   const TechniqueEntry& entry() const { return *entry_; }
   LightObjects& objects() { return *objects_; }
   /// Of each of the frame's lights.

@@ -98,6 +98,7 @@ FrameReply WorkerClient::frame(const FrameRequest& request) {
     question.light_and_view = file("light_and_view").string();
   }
   question.pose = request.pose;
+  question.begins_sequence = request.begins_sequence;
   pixel_count_ = static_cast<std::size_t>(request.width) * request.height;
   // The first pose of a row finds how far its meshes reach in all its frames.
   const double patience = timeout_seconds_ * (request.pose ? 1 + request.pose->at.frames / 100.0 : 1);
@@ -190,6 +191,27 @@ std::vector<std::optional<Explanation>> WorkerClient::explain(std::span<const st
   }
   result.resize(pixels.size());
   return result;
+}
+
+ErrorParts WorkerClient::error_terms(std::span<const float> exact, std::size_t light) {
+  bring_up(Stage::resolve);
+  write_file(file("exact"), std::as_bytes(exact));
+  ErrorParts parts{
+      .causes = process_.ask(ErrorTermsRequest{file("exact").string(), file("terms").string(), light}, timeout_seconds_).causes,
+      .values = {}};
+  if (parts.causes.empty()) return parts;
+  checked([&] {
+    const auto written = MappedFile::copy(file("terms"));
+    const std::size_t bytes = exact.size_bytes();
+    if (written->bytes().size() != bytes * parts.causes.size())
+      throw Error("{} error terms have {} bytes; {} are required", parts.causes.size(), written->bytes().size(),
+                  bytes * parts.causes.size());
+    for (std::size_t k = 0; k < parts.causes.size(); ++k) {
+      std::vector<float>& values = parts.values.emplace_back(exact.size());
+      std::memcpy(values.data(), written->bytes().data() + k * bytes, bytes);
+    }
+  });
+  return parts;
 }
 
 std::optional<DepthCurve> WorkerClient::depth_curve(std::uint32_t pixel, std::size_t light) {

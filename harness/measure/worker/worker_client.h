@@ -39,6 +39,13 @@ struct FrameRequest {
   Truth truth = Truth::shape;
   std::variant<SceneLightAndView, FreeLightAndView> seen;
   std::optional<WantedPose> pose = {};  ///< nothing: meshes are at rest
+  bool begins_sequence = false;         ///< what a technique remembers of frames before is gone first
+};
+
+/// What a technique says that a mask is wrong by: Technique::error_terms.
+struct ErrorParts {
+  std::vector<std::string> causes;         ///< of each part
+  std::vector<std::vector<float>> values;  ///< of each part, of each pixel
 };
 
 /// The technique's support of a frame, before it does anything.
@@ -107,6 +114,8 @@ class WorkerClient {
   /// The technique's explanations of pixels of the last answer under one of the frame's lights, one for each; nothing where it
   /// has none.
   std::vector<std::optional<Explanation>> explain(std::span<const std::uint32_t> pixels, std::size_t light = 0);
+  /// The parts of the difference between the last mask under one of the frame's lights and what is exact, one value a pixel.
+  ErrorParts error_terms(std::span<const float> exact, std::size_t light = 0);
   /// Technique::depth_curve of a pixel under one of the frame's lights; each of its curves has a share for each depth.
   std::optional<DepthCurve> depth_curve(std::uint32_t pixel, std::size_t light = 0);
   /// Three linear floats a pixel of the frame.

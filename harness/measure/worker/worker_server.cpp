@@ -45,6 +45,7 @@ class TechniqueServer {
     on<AnswerRequest>([this](const auto& request) { return answer(request.mask); });
     on<MaskRequest>([this](const auto& request) { return write_mask(request.mask); });
     on<ExplainRequest>([this](const auto& request) { return explain(request); });
+    on<ErrorTermsRequest>([this](const auto& request) { return error_terms(request); });
     on<DepthCurveRequest>([this](const auto& request) { return depth_curve(request); });
     on<DebugRequest>([this](const auto& request) { return debug(request); });
     on<GlobalRequest>([this](const auto& request) { return global(request); });
@@ -99,6 +100,27 @@ class TechniqueServer {
       throw Error("{} explanations came for {} pixels", explanations.size(), pixels.size());
     write_file(request.out, explanation_bytes(explanations));
     return {std::ranges::any_of(explanations, [](const auto& why) { return why.has_value(); })};
+  }
+
+  ErrorTermsRequest::Reply error_terms(const ErrorTermsRequest& request) {
+    Technique* const technique = frame_.object_of(request.light);
+    frame_.bring_up(Stage::resolve);
+    if (!technique) return {};
+    const auto file = MappedFile::open(request.exact);
+    const std::size_t pixels = frame_.gbuffer().size();
+    if (file->bytes().size() != pixels * sizeof(float))
+      throw Error("exact shares have {} bytes; {} are required", file->bytes().size(), pixels * sizeof(float));
+    const std::span exact(reinterpret_cast<const float*>(file->bytes().data()), pixels);
+    ErrorTermsRequest::Reply reply;
+    std::vector<float> all;
+    for (const ErrorTerm& term : technique->error_terms(exact)) {
+      if (term.values.size() != pixels)
+        throw Error("error term {} has {} values; {} are required", term.cause, term.values.size(), pixels);
+      reply.causes.emplace_back(term.cause);
+      all.insert(all.end(), term.values.begin(), term.values.end());
+    }
+    write_file(request.out, std::as_bytes(std::span(all)));
+    return reply;
   }
 
   DepthCurveRequest::Reply depth_curve(const DepthCurveRequest& request) {
