@@ -137,7 +137,8 @@ void add_suite_options(Command& command, SuiteOptions& options, const std::strin
   add("--frame-rate", &options.frame_rate, "Their frames per second; 60 by default", {.check = above_zero()});
   add("--start", &options.start, "Seconds of the animation at their first frame; 0 by default", {.check = not_negative()});
   add("--path", &options.paths,
-      "Paths of camera or light that rows follow: of the scene, or camera_slide, light_slide; the suite's by default",
+      "Paths of camera or light that rows follow: of the scene, or camera_slide, light_slide, camera_jump, light_jump; the "
+      "suite's by default",
       {.check = not_empty(), .delimiter = ','});
   add("--technique", &options.techniques, "ID:param=value,...; {a,b} sweeps a value", {.delimiter = ';'});
   add("--light", &options.lights, "Light names; the suite's, or all of each scene, by default", {.delimiter = ','});

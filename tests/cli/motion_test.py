@@ -122,7 +122,7 @@ class Motion(ProgramTest):
 
     def test_a_path_that_is_not_there_is_refused(self):
         self.write("suite.toml", '[[group]]\nscenes = ["contact"]\npaths = ["orbit"]\ntechniques = ["unshadowed"]\n')
-        self.refuse("run", "suite.toml", "--out", "out", says=["scene contact has no path orbit", "camera_slide, light_slide"])
+        self.refuse("run", "suite.toml", "--out", "out", says=["scene contact has no path orbit", "camera_slide, light_slide, camera_jump, light_jump"])
 
 
 if __name__ == "__main__":

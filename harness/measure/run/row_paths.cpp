@@ -33,7 +33,7 @@ void require_animation(const Scene& scene, const std::string& reference, const s
     throw Error("scene {} has no animation{}; animations = {} follow a scene that moves", reference,
                 without_time(reference) == reference ? "" : ": it is a still", name);
   const std::vector<std::string> there = names_of(scene.motion->animations);
-  const bool is_path = std::ranges::find(slide_names, name) != std::end(slide_names) || find_named(scene.paths, name);
+  const bool is_path = std::ranges::find(built_in_paths, name) != std::end(built_in_paths) || find_named(scene.paths, name);
   if (is_path)
     throw Error("{} is a path of scene {}, not an animation: name it in paths; its animations are {}", name, reference,
                 joined(there, ", "));

@@ -16,17 +16,28 @@ namespace gnomon {
 
 namespace {
 
-constexpr int slide_frames = 16;
-constexpr double slide_share = 0.01;
+/// A way sideways that every scene has, by this share of the distance.
+struct Sideways {
+  double share;
+  int frame_count;
+  bool jumps;
+};
+/// 80 frames after a jump are 4/3 s at 60 Hz.
+constexpr Sideways slide{0.01, 16, false}, jump{0.05, 81, true};
+
+Path path_along(const Sideways& way, const std::string& name, Path::Moves moves, std::vector<glm::vec3> ends) {
+  if (way.jumps) ends = stepped(std::move(ends), way.frame_count);
+  return {name, moves, std::move(ends), way.frame_count};
+}
 
 glm::dvec3 unit_sideways(const glm::dvec3& along, const glm::dvec3& up) {
   return glm::normalize(sideways(glm::normalize(along), up));
 }
 
-Path camera_slide(const View& view) {
+Path camera_path(const std::string& name, const Sideways& way, const View& view) {
   const glm::dvec3 eye = view.eye, along = glm::dvec3(view.target) - eye;
-  const glm::dvec3 end = eye + unit_sideways(along, view.up) * (slide_share * glm::length(along));
-  return {"camera_slide", Path::Moves::camera, {view.eye, glm::vec3(end)}, slide_frames};
+  const glm::dvec3 end = eye + unit_sideways(along, view.up) * (way.share * glm::length(along));
+  return path_along(way, name, Path::Moves::camera, {view.eye, glm::vec3(end)});
 }
 
 /// Where the light is, or the way it travels.
@@ -42,15 +53,15 @@ glm::vec3& place_of(Light& light) {
   return std::visit(place, light.kind);
 }
 
-Path light_slide(const Scene& scene, Light light) {
+Path light_path(const std::string& name, const Sideways& way, const Scene& scene, Light light) {
   const glm::vec3 start = place_of(light);
   const Bounds bounds = scene.bounds();
   const glm::dvec3 middle = (glm::dvec3(bounds.min) + glm::dvec3(bounds.max)) / 2.0;
   const bool is_directional = std::holds_alternative<DirectionalLight>(light.kind);
   glm::dvec3 along = is_directional ? glm::dvec3(start) : middle - glm::dvec3(start);
   if (glm::length(along) == 0) along = glm::dvec3(0, -glm::length(glm::dvec3(bounds.max) - middle), 0);
-  const glm::dvec3 end = glm::dvec3(start) + unit_sideways(along, {0, 1, 0}) * (slide_share * glm::length(along));
-  return {"light_slide", Path::Moves::light, {start, glm::vec3(end)}, slide_frames};
+  const glm::dvec3 end = glm::dvec3(start) + unit_sideways(along, {0, 1, 0}) * (way.share * glm::length(along));
+  return path_along(way, name, Path::Moves::light, {start, glm::vec3(end)});
 }
 
 /// All of an animation, as far as a row may have frames.
@@ -71,8 +82,15 @@ glm::vec3 position_at(const Path& path, int frame) {
 
 }  // namespace
 
+std::vector<glm::vec3> stepped(std::vector<glm::vec3> positions, int frame_count) {
+  assert(!positions.empty() && std::size(positions) <= static_cast<std::size_t>(frame_count));
+  const glm::vec3 last = positions.back();
+  positions.resize(static_cast<std::size_t>(frame_count), last);
+  return positions;
+}
+
 Path find_path(const Scene& scene, const std::string& name, const Light& light, const View& view) {
-  std::vector<std::string> names(std::begin(slide_names), std::end(slide_names));
+  std::vector<std::string> names(std::begin(built_in_paths), std::end(built_in_paths));
   for (const Path& path : scene.paths) {
     if (path.name == name) return path;
     names.push_back(path.name);
@@ -82,8 +100,10 @@ Path find_path(const Scene& scene, const std::string& name, const Light& light, 
     if (animation.name == name) return path_of(animation);
     names.push_back(animation.name);
   }
-  if (name == "camera_slide") return camera_slide(view);
-  if (name == "light_slide") return light_slide(scene, light);
+  if (name == "camera_slide") return camera_path(name, slide, view);
+  if (name == "light_slide") return light_path(name, slide, scene, light);
+  if (name == "camera_jump") return camera_path(name, jump, view);
+  if (name == "light_jump") return light_path(name, jump, scene, light);
   throw Error("scene {} has no path {}; did you mean {}? It has: {}", scene.name, name, nearest_word(name, names),
               joined(names, ", "));
 }

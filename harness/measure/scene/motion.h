@@ -7,14 +7,19 @@
 namespace gnomon {
 
 /// Names of the paths that every scene has.
-inline constexpr std::string_view slide_names[] = {"camera_slide", "light_slide"};
+inline constexpr std::string_view built_in_paths[] = {"camera_slide", "light_slide", "camera_jump", "light_jump"};
 
 /// The path of this name: one of the scene's own, one of its animations (`Path::Moves::geometry`: at 60 frames a second from 0
-/// to the last key, 2 .. most_motion_frames frames), or a slide that every scene has, made for this light and view:
+/// to the last key, 2 .. most_motion_frames frames), or one that every scene has, made for this light and view.
 /// `camera_slide` moves the eye sideways by 1 % of its distance to the target, `light_slide` the light sideways by 1 % of its
-/// distance to the middle of the scene (a directional light turns by 0.01 radians); 16 frames, so that a step is below a pixel.
-/// Throws Error with the nearest name.
+/// distance to the middle of the scene (a directional light turns by the angle whose tangent is that share); 16 frames, so that
+/// a step is below a pixel. `camera_jump` and `light_jump` go the same ways by 5 %, at once: frame 0 is at the start, frames
+/// 1 .. 80 are at the end. Throws Error with the nearest name.
 Path find_path(const Scene& scene, const std::string& name, const Light& light, const View& view);
+
+/// Positions of a path that jumps: that of frame n is the n-th, later frames are at the last one. There is one for each frame,
+/// so that a frame lies on a key to the bit and nothing is between two. `positions` are one or more, no more than the frames.
+std::vector<glm::vec3> stepped(std::vector<glm::vec3> positions, int frame_count);
 
 /// The light or view at a frame, 0 .. frame_count - 1; the same as given when the path moves the other. Keys are passed at
 /// equal steps of time, in straight lines between them. A light with area moves its center; key positions of a directional

@@ -112,7 +112,7 @@ void check_animation(const Motion& motion, const Animation& animation, const std
 /// The animations under names that are plain, unique, and none of `there`.
 void name_apart(std::vector<Animation>& animations, const std::vector<Animation>& there) {
   constexpr std::size_t longest = 80;  // with a number behind it, too, it is a plain name
-  std::set<std::string> taken(std::begin(slide_names), std::end(slide_names));
+  std::set<std::string> taken(std::begin(built_in_paths), std::end(built_in_paths));
   for (const Animation& one : there) taken.insert(one.name);
   std::map<std::string, int> next;
   for (Animation& animation : animations) {
@@ -209,7 +209,7 @@ void check_motion(const Scene& scene, const std::string& where) {
     if (!is_plain_name(animation.name))
       throw Error("{}: animation: name '{}' is not of a..z, 0..9 and _, at most 100 of them", where,
                   printable(animation.name, true));
-    if (std::ranges::find(slide_names, animation.name) != std::end(slide_names))
+    if (std::ranges::find(built_in_paths, animation.name) != std::end(built_in_paths))
       throw Error("{}: animation: name '{}' is that of a path which every scene has", where, animation.name);
     if (!names.insert(animation.name).second) throw Error("{}: animation: name '{}' is given twice", where, animation.name);
   }

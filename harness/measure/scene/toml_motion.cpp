@@ -287,14 +287,21 @@ std::vector<std::string> MeshNames::all() const {
 void read_path(const toml::table& toml, const fs::path& file, Scene& scene) {
   const std::string moves = moves_of(toml, file);
   if (moves == "mesh") return;
-  const Table table(toml, file, "path", {"name", "moves", "positions", "frames"});
+  const Table table(toml, file, "path", {"name", "moves", "positions", "frames", "steps"});
   const Path::Moves what = moves == "camera" ? Path::Moves::camera : Path::Moves::light;
   Path path{table.name("name", scene.paths, moves), what, {}};
-  if (std::ranges::find(slide_names, path.name) != std::end(slide_names))
+  if (std::ranges::find(built_in_paths, path.name) != std::end(built_in_paths))
     table.refuse("name", "'" + path.name + "'", "another name: every scene has a path of this one");
   for (const glm::dvec3& position : table.vectors("positions", 0, 2)) path.positions.emplace_back(position);
   if (!table.has("frames")) table.refuse("frames", "(nothing)", "a whole number of 2 .. 100000");
   path.frame_count = table.integer("frames", 0, 2, 100'000);
+  if (table.flag("steps", false)) {
+    if (std::size(path.positions) > static_cast<std::size_t>(path.frame_count))
+      table.refuse("positions", fmt::format("{} vectors", std::size(path.positions)),
+                   fmt::format("2 .. {} vectors: with steps a position is that of a frame, and there are {} frames",
+                               path.frame_count, path.frame_count));
+    path.positions = stepped(std::move(path.positions), path.frame_count);
+  }
   scene.paths.push_back(std::move(path));
 }
 

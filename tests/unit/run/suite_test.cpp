@@ -95,7 +95,8 @@ TEST(suite, what_is_wrong_with_sizes_and_paths_is_said) {
   const File file(head + "paths = [\"camera_slid\"]\n");
   SceneLibrary library;
   EXPECT_EQ(error_of([&] { (void)expand_jobs(read_suite(file.path), library, {.program = tested_program()}); }),
-            "scene contact has no path camera_slid; did you mean camera_slide? It has: camera_slide, light_slide");
+            "scene contact has no path camera_slid; did you mean camera_slide? It has: camera_slide, light_slide, camera_jump, "
+            "light_jump");
 }
 
 // The hash is a promise: records of earlier versions are found again.

@@ -3,6 +3,9 @@
 #include <gnomon/error.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+
 #include "error_words.h"
 #include "measure/scene/load.h"
 #include "measure/scene/motion_data.h"
@@ -70,6 +73,52 @@ TEST(motion, every_scene_has_slides_of_one_percent) {
   const Path turn = find_path(scene, "light_slide", sun, view);
   const auto direction = glm::normalize(std::get<DirectionalLight>(light_at(turn, sun, turn.frame_count - 1).kind).direction);
   EXPECT_NEAR(std::acos(glm::dot(direction, glm::normalize(glm::vec3(0, -3, 4)))), 0.01, 1e-4);
+}
+
+// A jump goes the way of the slide, five times as far, and nothing is between its two places.
+TEST(motion, every_scene_has_jumps_of_five_percent) {
+  Scene scene;
+  Mesh mesh;
+  mesh.positions = {{-1, 0, -1}, {1, 0, -1}, {0, 2, 1}};
+  scene.meshes = {mesh};
+  const Light rect{.name = "rect", .kind = RectLight{{1, 11, 0}, {0.5f, 0, 0}, {0, 0, 0.5f}}};
+  const Light sun{.name = "sun", .kind = DirectionalLight{{0, -3, 4}}};
+  const View view{.name = "view", .eye = {0, 0, 8}, .target = {0, 0, -2}};
+
+  const Path camera = find_path(scene, "camera_jump", sun, view);
+  ASSERT_EQ(camera.frame_count, 81);
+  EXPECT_EQ(camera.frame_rate, 60);
+  EXPECT_EQ(view_at(camera, view, 0).eye, view.eye);
+  EXPECT_NEAR(view_at(camera, view, 1).eye.x, 0.5, 1e-6) << "5 % of 10 m to the target, to the right";
+  EXPECT_EQ(view_at(camera, view, 1).target, view.target);
+
+  const Path light = find_path(scene, "light_jump", rect, view);
+  ASSERT_EQ(light.frame_count, 81);
+  const auto rect_at = [&](int frame) { return std::get<RectLight>(light_at(light, rect, frame).kind); };
+  const glm::vec3 start = std::get<RectLight>(rect.kind).center, end = rect_at(1).center;
+  EXPECT_EQ(rect_at(0).center, start);
+  EXPECT_NEAR(glm::distance(start, end), 0.05 * std::sqrt(101), 1e-6) << "5 % of the way to the middle (0, 1, 0)";
+  EXPECT_EQ(rect_at(1).half_u, glm::vec3(0.5f, 0, 0)) << "all of the light moves, and does not turn";
+  for (int frame = 1; frame < 81; ++frame) {
+    ASSERT_EQ(view_at(camera, view, frame).eye, view_at(camera, view, 1).eye) << frame;
+    ASSERT_EQ(rect_at(frame).center, end) << frame;
+  }
+
+  const Path turn = find_path(scene, "light_jump", sun, view);
+  const auto direction = glm::normalize(std::get<DirectionalLight>(light_at(turn, sun, 1).kind).direction);
+  EXPECT_NEAR(std::acos(glm::dot(direction, glm::normalize(glm::vec3(0, -3, 4)))), std::atan(0.05), 1e-4);
+}
+
+// With a position for each frame, frame n is at key n to the bit: (frames - 1) * n / (frames - 1) is exact.
+TEST(motion, steps_are_positions_of_frames_and_the_last_one_is_kept) {
+  const std::vector<glm::vec3> places{{0.1f, 0, 0}, {0.7f, 1e-7f, 0}, {-3, 0, 0.3f}};
+  const View view{.name = "view", .eye = {9, 9, 9}, .target = {0, 0, -5}};
+  for (const int frames : {3, 4, 7, 81, 1000}) {
+    const Path path{"steps", Path::Moves::camera, stepped(places, frames), frames};
+    for (int frame = 0; frame < frames; ++frame)
+      ASSERT_EQ(view_at(path, view, frame).eye, places[static_cast<std::size_t>(std::min(frame, 2))]) << frames << ' ' << frame;
+  }
+  EXPECT_EQ(stepped({{1, 2, 3}}, 2), (std::vector<glm::vec3>{{1, 2, 3}, {1, 2, 3}}));
 }
 
 TEST(motion, a_frame_that_cannot_be_is_named) {
@@ -155,7 +204,7 @@ TEST(motion, an_animation_moves_neither_light_nor_camera) {
 
 TEST(motion, a_wrong_name_is_said_with_the_animations) {
   const auto error = error_words::error_of([] { find_path(moving_world::scene(), "wolk", lamp, View{}); });
-  error_words::expect_words(error, {"did you mean walk?", "camera_slide, light_slide, walk, sleep"});
+  error_words::expect_words(error, {"did you mean walk?", "camera_slide, light_slide, camera_jump, light_jump, walk, sleep"});
 }
 
 TEST(motion, a_path_and_an_animation_of_one_name_are_refused_at_load) {

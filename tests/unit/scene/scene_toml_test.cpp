@@ -209,7 +209,20 @@ TEST(SceneToml, mistakes_have_a_file_and_a_line) {
   expect_words(error_of("[[path]]\nmoves = \"eye\"\npositions = [[0,0,0],[1,0,0]]\nframes = 3\n"),
                {"'eye'", "camera, light or mesh", "test.toml:2"});
   expect_words(error_of("[[path]]\nmoves = \"light\"\npositions = [[0,0,0]]\nframes = 3\n"), {"positions", "2 or more"});
+  const std::string steps = "[[path]]\nmoves = \"light\"\npositions = [[0,0,0],[1,0,0],[2,0,0]]\nframes = 2\n";
+  expect_words(error_of(steps + "steps = true\n"), {"positions = 3 vectors", "2 .. 2 vectors", "2 frames", "test.toml:3"});
+  expect_words(error_of(steps + "steps = 1\n"), {"steps", "true or false", "test.toml:5"});
+  for (const char* const name : {"camera_slide", "light_slide", "camera_jump", "light_jump"})
+    expect_words(error_of(steps + fmt::format("name = \"{}\"\n", name)), {name, "every scene has a path", "test.toml:5"});
   expect_words(error_of("name = \n"), {"test.toml:1"});
+}
+
+TEST(SceneToml, a_path_in_steps_jumps) {
+  const std::string path = "[[path]]\nmoves = \"light\"\npositions = [[0,1,0],[2,1,0]]\nframes = 5\n";
+  const Path steps = read(path + "steps = true\n").paths.at(0);
+  EXPECT_EQ(steps.frame_count, 5);
+  EXPECT_EQ(steps.positions, (std::vector<glm::vec3>{{0, 1, 0}, {2, 1, 0}, {2, 1, 0}, {2, 1, 0}, {2, 1, 0}}));
+  EXPECT_EQ(read(path + "steps = false\n").paths.at(0).positions, (std::vector<glm::vec3>{{0, 1, 0}, {2, 1, 0}}));
 }
 
 // Only the way matters: where float32 would lose squares of it, a power of ten is taken out before it is rounded. What is no
