@@ -1,4 +1,4 @@
-// The generated scenes that move: walking_boxes, bending_tube, swarm, and leaf_cards in the wind.
+// The generated scenes that move: walking_boxes, bending_tube, swarm, leaf_cards in the wind, and jumping_boxes.
 #include <gnomon/kit/geometry/circling.h>
 #include <gtest/gtest.h>
 
@@ -6,7 +6,9 @@
 #include <cmath>
 
 #include "generated_scene.h"
+#include "measure/scene/motion.h"
 #include "measure/scene/pose.h"
+#include "measure/scene/posed_scene.h"
 
 namespace moving_scenes_test {
 
@@ -251,6 +253,32 @@ TEST(MovingScenes, the_tips_of_cards_sway_and_their_feet_stand_still) {
   }
   EXPECT_LE(farthest, 0.5 * 0.4 + 1e-6);
   EXPECT_GT(farthest, 0.3 * 0.4);
+}
+
+// Frame 0 of 60 Hz is at rest, frame 1 at the new place, and so are all others up to the last one.
+TEST(MovingScenes, a_box_jumps_once_between_the_first_two_frames) {
+  const struct {
+    const char* settings;
+    glm::vec3 by;
+    std::vector<std::string> jumping;
+  } due[] = {{"", {0.5f, 0, 0}, {"box_5"}},
+             {"count=1,distance=0.75", {0.75f, 0, 0}, {"box_1"}},
+             {"count=4,all=true,distance=0.125", {0.125f, 0, 0}, {"box_1", "box_2", "box_3", "box_4"}}};
+  for (const auto& [settings, by, jumping] : due) {
+    SCOPED_TRACE(settings);
+    const Scene scene = make("jumping_boxes", settings);
+    const Path path = find_path(scene, "jump", scene.lights[0], scene.views[0]);
+    ASSERT_EQ(path.frame_count, 81);
+    for (const int frame : {0, 1, 2, 40, 80}) {
+      const Scene at = posed(scene, pose_at(path, frame)->seconds);
+      for (std::size_t m = 0; m < scene.meshes.size(); ++m) {
+        const bool jumps = std::ranges::find(jumping, scene.meshes[m].name) != jumping.end();
+        std::vector<glm::vec3> expected = scene.meshes[m].positions;
+        for (glm::vec3& p : expected) p += frame > 0 && jumps ? by : glm::vec3(0);
+        EXPECT_EQ(at.meshes[m].positions, expected) << scene.meshes[m].name << ", frame " << frame;
+      }
+    }
+  }
 }
 
 }  // namespace moving_scenes_test
