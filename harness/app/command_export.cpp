@@ -1,7 +1,7 @@
 // gnomon export: what a program of one's own needs to make a mask that `gnomon score` takes.
-#include "app/app.h"
+#include "app/command_export.h"
+
 #include "app/staged_folder.h"
-#include "app/time_option.h"
 #include "measure/exchange/gltf.h"
 #include "measure/exchange/scene_files.h"
 #include "measure/notice.h"
@@ -19,13 +19,6 @@ namespace gnomon::app {
 namespace {
 
 namespace fs = std::filesystem;
-
-struct ExportOptions {
-  std::string scene, view, size = "640x360", truth = "shape";
-  std::vector<std::string> lights;
-  TimeOption time;
-  fs::path out;
-};
 
 /// Names of files alone: the folder may be moved.
 Json with_names(Json arrays) {
@@ -124,21 +117,44 @@ void export_frame(const ExportOptions& options) {
       out, options.scene, options.view.empty() ? "" : " --view " + options.view, width, height);
 }
 
+/// What makes the command write frames, and what it takes then.
+void add_sequence_options(Command& command, ExportOptions& options) {
+  CLI::Option* const sequence =
+      command.flag("--sequence", &options.is_sequence, "Write the frames of a row on a path, with the masks of a technique");
+  const auto add = [&](const char* name, OptionTarget target, const std::string& sentence, Check check) {
+    command.option(name, target, "With --sequence: " + sentence, {.check = std::move(check), .needs = sequence});
+  };
+  add("--technique", &options.technique, "technique id, or ID:param=value,...", not_empty());
+  add("--path", &options.path, "path of camera or light that the frames follow: of the scene, or camera_slide, light_slide",
+      not_empty());
+  add("--frames", &options.frames, "frames of an animation; up to its last key by default",
+      whole_in(least_frames, most_frames));
+  add("--frame-rate", &options.frame_rate, "its frames per second; 60 by default", above_zero());
+  add("--start", &options.start, "seconds of the animation at the first frame; 0 by default", not_negative());
+  add("--threads", &options.threads, "cores that the technique uses; all by default", {});
+  add("--timeout", &options.timeout, "seconds that one step may take", seconds());
+}
+
 }  // namespace
 
 void add_export(Program& program) {
   auto [command, options] = program.line.command<ExportOptions>(
-      "export", "Scene, G-buffer and reference as files, for programs that make masks", [](ExportOptions& read) {
+      "export", "Scene, G-buffer and reference as files, for programs that make masks; frames, for those that judge videos",
+      [&program](ExportOptions& read) {
+        if (read.is_sequence) return export_sequence(read, worker_options(program, read.threads));
+        if (!read.time.animation.empty() && !read.time.seconds)
+          throw Error("--animation {} needs --time, the seconds at which it is shown, or --sequence", read.time.animation);
         put_time(read.scene, read.time);
         export_frame(read);
       });
   command.option("--scene", &options.scene, "Scene id, ID:param=value, or a scene or mesh file", {.is_required = true});
-  add_time_option(command, options.time);
+  add_time_option(command, options.time, "With --sequence: the frames follow this animation");
   command.option("--view", &options.view, "View name; the first by default", {.check = not_empty()});
-  command.option("--light", &options.lights, "Light names; all by default", {.delimiter = ','});
+  command.option("--light", &options.lights, "Light names; all by default, with --sequence the first", {.delimiter = ','});
   command.option("--size", &options.size, "Picture size in pixels, WxH");
   command.option("--truth", &options.truth, "What counts: exact shapes or the meshes; shape | mesh");
   command.option("--out", &options.out, "Folder for the files", {.is_required = true, .check = not_empty()});
+  add_sequence_options(command, options);
 }
 
 }  // namespace gnomon::app
