@@ -8,13 +8,19 @@ namespace gnomon {
 std::vector<std::string> InnerTechnique::ids() const {
   std::vector<std::string> all;
   for (const TechniqueEntry& entry : registry().techniques())
-    if (!entry.about.named_only && why_not_(entry).empty()) all.push_back(entry.id);
+    if (!entry.about.named_only && why_not(entry).empty()) all.push_back(entry.id);
   return all;
 }
 
 std::string InnerTechnique::objection(std::string_view id) const {
   const TechniqueEntry* const entry = registry().find_technique(id);
-  return entry ? why_not_(*entry) : fmt::format("did you mean {}?", nearest_word(id, ids()));
+  return entry ? why_not(*entry) : fmt::format("did you mean {}?", nearest_word(id, ids()));
+}
+
+std::string InnerTechnique::why_not(const TechniqueEntry& entry) const {
+  if (entry.about.remembers)
+    return fmt::format("{} remembers frames, and within another technique it has no sequence", entry.id);
+  return why_not_(entry);
 }
 
 namespace {

@@ -55,7 +55,7 @@ std::optional<Stage> LightObjects::set(const std::string& settings) {
 }
 
 void LightObjects::forget() {
-  for (Object& object : objects_) object.technique->forget();
+  for (const Object& object : objects_) object.technique->forget();
 }
 
 Counts LightObjects::counts() const {

@@ -16,12 +16,13 @@ class Lonely final : public Technique {
   void build(const Scene&) override { ++builds; }
   void relight(const Light&) override {}
   void resolve(const GBuffer&, VisibilityMask&) override {}
+  void forget() override { ++forgets; }
   Counts counts() const override {
     return {{"bytes", 10.0 * size, "byte"},
             {"depth", 1.0 * size, "", Count::Together::largest},
             {"mean", 4.0 * builds, "", Count::Together::mean}};
   }
-  int setups = 0, builds = 0;
+  int setups = 0, builds = 0, forgets = 0;
 };
 
 const TechniqueEntry lonely{.id = "lonely", .about = {}, .make = [] { return gnomon::made<Technique, Lonely>("lonely"); }};
@@ -49,6 +50,15 @@ TEST(light_objects, counts_add_up_as_each_says) {
   EXPECT_EQ(counts[0].value, 70) << "bytes: the sum";
   EXPECT_EQ(counts[1].value, 5) << "depth: the largest";
   EXPECT_EQ(counts[2].value, 2) << "0 and 4: the mean";
+}
+
+TEST(light_objects, forget_reaches_every_object) {
+  LightObjects objects(lonely, "");
+  objects.hold(3);
+  objects.forget();
+  objects.hold(2);
+  objects.forget();
+  for (std::size_t k = 0; k < 2; ++k) EXPECT_EQ(as_lonely(objects[k]).forgets, 2);
 }
 
 TEST(light_objects, settings_reach_every_object_and_say_what_they_spoil) {

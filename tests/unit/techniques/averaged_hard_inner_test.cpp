@@ -198,6 +198,17 @@ TEST_F(AveragedHard, what_cannot_be_averaged_is_refused_with_what_can) {
   EXPECT_NE(refusal("of.cuont=zpass").find("averaged_hard has no parameter of.cuont; did you mean "), std::string::npos);
 }
 
+// Its masks would depend on how often it is resolved, and a layer that is drawn resolves it.
+TEST_F(AveragedHard, a_technique_that_remembers_frames_is_refused) {
+  if (!registry().find_technique("remembers_half")) {
+    const auto make = [] { return gnomon::made<Technique, Half>("remembers_half"); };
+    registry().add(TechniqueEntry{.id = "remembers_half", .about = {.remembers = true}, .make = make});
+  }
+  const std::string said = refusal("of=remembers_half");
+  EXPECT_NE(said.find("; remembers_half remembers frames, and within another technique it has no sequence"), std::string::npos)
+      << said;
+}
+
 TEST_F(AveragedHard, what_the_hard_technique_does_not_support_is_not_supported) {
   const World world(generated_scene("sphere_over_plane:segments=12"), Truth::mesh);
   const View& view = world.scene.views[0];

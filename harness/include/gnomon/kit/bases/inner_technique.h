@@ -9,7 +9,7 @@ namespace gnomon {
 ///   averaged_hard:of=stencil_volume,of.count=zpass
 ///
 /// `technique()` holds the settings and says what is supported. To run it, make objects of `entry()` with
-/// `technique().settings()`.
+/// `technique().settings()`. One that remembers frames is refused: who holds it resolves it as often as its own answers need.
 class InnerTechnique final : public ObjectParameter {
  public:
   /// Why a technique is not allowed there; empty: it is.
@@ -27,6 +27,7 @@ class InnerTechnique final : public ObjectParameter {
   std::unique_ptr<Parametrized> made(std::string_view id) const override { return registry().technique(id).make(); }
 
  private:
+  std::string why_not(const TechniqueEntry& entry) const;
   WhyNot why_not_;
 };
 

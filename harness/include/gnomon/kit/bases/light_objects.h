@@ -32,6 +32,8 @@ class LightObjects {
     for (std::size_t k = 0; k < count(); ++k)
       if (stage > Stage::update || !objects_[k].shares) does((*this)[k], k);
   }
+  /// The next resolve of every object is the first of a sequence (Technique::forget).
+  void forget();
   /// What all objects counted, each count as it says (Count::Together).
   Counts counts() const;
 
