@@ -7,6 +7,7 @@
 #include <initializer_list>
 #include <memory>
 
+#include "measure/conformance/trial.h"
 #include "measure/conformance/world.h"
 
 namespace gnomon::conformance {
@@ -180,8 +181,12 @@ void MovingWorld::go_to(int frame) {
 const GBuffer& MovingWorld::gbuffer() {
   const auto known = gbuffers_.find(frame_);
   if (known != gbuffers_.end()) return known->second;
+  return gbuffers_.emplace(frame_, gbuffer(scene_.views[0])).first->second;
+}
+
+GBuffer MovingWorld::gbuffer(const View& view) const {
   const RayScene seen(scene_, truth_, RayScene::Which::seen);
-  return gbuffers_.emplace(frame_, make_gbuffer(scene_, seen, scene_.views[0], 48 / part_, 27 / part_, truth_)).first->second;
+  return make_gbuffer(scene_, seen, view, 48 / part_, 27 / part_, truth_);
 }
 
 std::vector<bool> MovingWorld::tested(const Light& light) {
@@ -196,6 +201,16 @@ std::vector<bool> MovingWorld::tested(const Light& light) {
   std::vector<bool> result;
   for (const PixelClass c : reference.classes) result.push_back(c == PixelClass::T);
   return result;
+}
+
+SupportedWorld supported_world(const Trial& trial) {
+  SupportedWorld found;
+  for (Scene& scene : std::vector{moving_things(true), moving_things(false), moving_ground()}) {
+    found.world = std::make_unique<MovingWorld>(std::move(scene), trial.entry().about.sees, is_sanitized ? 2 : 1);
+    found.lights = trial.supported_lights(found.world->scene());
+    if (!found.lights.empty()) break;
+  }
+  return found;
 }
 
 Changes no_changes(const Scene& scene) {

@@ -3,6 +3,7 @@
 #include <gnomon/technique.h>
 
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -41,6 +42,8 @@ class MovingWorld {
   Changes take_changes() { return posed_.take_changes(); }
   /// What the eye sees in the present frame. Made once for each; it stays where it is.
   const GBuffer& gbuffer();
+  /// The same from another view, made anew.
+  GBuffer gbuffer(const View& view) const;
   /// The pixels of class T in the present frame.
   std::vector<bool> tested(const Light& light);
 
@@ -54,6 +57,15 @@ class MovingWorld {
   PosedScene posed_;
   std::map<int, GBuffer> gbuffers_;
 };
+
+class Trial;
+
+/// The first scene that moves of which the technique supports a light, and these lights; none where it supports none.
+struct SupportedWorld {
+  std::unique_ptr<MovingWorld> world;
+  std::vector<Light> lights;
+};
+SupportedWorld supported_world(const Trial& trial);
 
 /// The changes of a scene in which nothing moved.
 Changes no_changes(const Scene& scene);

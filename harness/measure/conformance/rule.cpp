@@ -22,8 +22,12 @@ std::string_view name(Verdict::Kind kind) {
 }
 
 std::string_view name(AppliesTo applies_to) {
-  static constexpr std::string_view names[] = {"every technique", "techniques that draw", "techniques that promise to be exact",
-                                               "sampled techniques, without baselines"};
+  static constexpr std::string_view names[] = {"every technique",
+                                               "techniques that draw",
+                                               "techniques that promise to be exact",
+                                               "sampled techniques, without baselines",
+                                               "techniques that remember frames",
+                                               "techniques that do not remember frames"};
   return names[static_cast<int>(applies_to)];
 }
 
@@ -31,7 +35,7 @@ std::span<const Rule> rules() {
   static const std::vector<Rule> all = [] {
     std::vector<Rule> rules;
     for (auto* of_file : {about_rules, answer_rules, promise_rules, cause_rules, life_rules, light_rules, neighbor_rules,
-                          limit_rules, scale_rules, memory_rules, motion_rules})
+                          limit_rules, scale_rules, memory_rules, motion_rules, sequence_rules, sequence_error_rules})
       std::ranges::copy(of_file(), std::back_inserter(rules));
     return rules;
   }();
@@ -51,6 +55,8 @@ std::string_view why_not_applied(const Rule& rule, const About& about) {
   const bool is_exact = about.promise == Promise::exact, is_of_sampled = rule.applies_to == AppliesTo::sampled;
   if (rule.applies_to == AppliesTo::drawing && !about.needs_gl) return "it does not draw";
   if (rule.applies_to == AppliesTo::exact && !is_exact) return "it does not promise to be exact";
+  if (rule.applies_to == AppliesTo::remembering && !about.remembers) return "it does not remember frames";
+  if (rule.applies_to == AppliesTo::not_remembering && about.remembers) return "it remembers frames";
   if (is_of_sampled && is_exact) return "it promises to be exact";
   return is_of_sampled && about.role == Role::baseline ? "it is a baseline" : "";
 }

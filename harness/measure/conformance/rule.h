@@ -46,7 +46,7 @@ inline constexpr std::size_t most_findings = 40;
 std::string_view name(Verdict::Kind kind);
 
 /// The techniques to which a rule applies, by their data sheets.
-enum class AppliesTo { all, drawing, exact, sampled };
+enum class AppliesTo { all, drawing, exact, sampled, remembering, not_remembering };
 /// "techniques that draw".
 std::string_view name(AppliesTo applies_to);
 

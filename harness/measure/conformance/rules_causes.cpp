@@ -65,6 +65,8 @@ void named_causes(Trial& trial) {
       const auto technique = trial.set_up();
       const std::vector<float> mask = trial.answer(*technique, scene, light, gbuffer);
       const Reference truth = frames.reference(key, light);
+      const bool is_area = trial.entry().about.estimates == LightShareKind::area || !has_area(light);
+      technique->error_terms(is_area ? truth.mask : truth.irradiance);  // of which explain names the largest
       const auto explain = [&](std::span<const std::uint32_t> pixels) {
         auto whys = explain_all(*technique, pixels);
         queried += pixels.size();

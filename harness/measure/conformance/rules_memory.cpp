@@ -91,6 +91,7 @@ class Scales {
     Technique* const technique = techniques_.back().get();
     technique->build(w->scene);
     technique->relight(*light);
+    trial_.begin(*technique);
     technique->resolve(gbuffer, mask);
     f.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     f.growth = resident_bytes(trial_.uses_gl()) - before;
@@ -179,6 +180,7 @@ void geometry_in_build(Trial& trial) {
       technique->relight(light);
       trial.expect(uploaded_scene_bytes() == built, fmt::format("relight uploads the scene{}", when));
       VisibilityMask mask(gbuffer.width, gbuffer.height);
+      trial.begin(*technique);
       technique->resolve(gbuffer, mask);
       trial.expect(uploaded_scene_bytes() == built, fmt::format("resolve uploads the scene{}", when));
     }

@@ -180,22 +180,6 @@ void follow_together(Trial& trial, MovingWorld& world, const std::vector<Light>&
   }
 }
 
-/// The first scene of which the technique supports a light.
-struct Supported {
-  std::unique_ptr<MovingWorld> world;
-  std::vector<Light> lights;
-};
-
-Supported supported_world(Trial& trial) {
-  Supported found;
-  for (Scene& scene : std::vector{moving_things(true), moving_things(false), moving_ground()}) {
-    found.world = std::make_unique<MovingWorld>(std::move(scene), trial.entry().about.sees, is_sanitized ? 2 : 1);
-    found.lights = trial.supported_lights(found.world->scene());
-    if (!found.lights.empty()) break;
-  }
-  return found;
-}
-
 void update_equals_build(Trial& trial) {
   const float stated = trial.entry().about.update_error;
   trial.expect(stated >= 0 && stated <= most_update_error,

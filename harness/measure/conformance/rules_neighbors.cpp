@@ -143,6 +143,8 @@ void gl_state(Trial& trial) {
     look("build");
     technique->relight(light);
     look("relight");
+    trial.begin(*technique);
+    look("forget");
     VisibilityMask mask(gbuffer.width, gbuffer.height);
     technique->resolve(gbuffer, mask);
     look("resolve");

@@ -44,6 +44,11 @@ std::unique_ptr<Technique> Trial::set_up(const std::string& settings) const {
 }
 
 std::vector<float> Trial::resolve(Technique& technique, const GBuffer& gbuffer) const {
+  begin(technique);
+  return resolve_next(technique, gbuffer);
+}
+
+std::vector<float> Trial::resolve_next(Technique& technique, const GBuffer& gbuffer) const {
   VisibilityMask mask(gbuffer.width, gbuffer.height);
   const float nonsense = -7;
   if (uses_gl()) glClearTexImage(mask.texture(), 0, GL_RED, GL_FLOAT, &nonsense);

@@ -41,8 +41,15 @@ class Trial {
   void under_each_light(std::unique_ptr<World> world, const CheckLight& check);
 
   std::unique_ptr<Technique> set_up(const std::string& settings = "") const;
-  /// Starts from a mask of nonsense, in memory or in its texture, of which the technique must write every pixel.
+  /// The next resolve is the first of a sequence. All rules but those of sequences judge such answers alone.
+  void begin(Technique& technique) const {
+    if (entry_.about.remembers) technique.forget();
+  }
+  /// The first frame of a sequence. Starts from a mask of nonsense, in memory or in its texture, of which the technique must
+  /// write every pixel.
   std::vector<float> resolve(Technique& technique, const GBuffer& gbuffer) const;
+  /// The same of the next frame, without forgetting those before.
+  std::vector<float> resolve_next(Technique& technique, const GBuffer& gbuffer) const;
   std::vector<float> answer(Technique& technique, const Scene& scene, const Light& light, const GBuffer& gbuffer) const;
   std::vector<float> fresh_answer(const Scene& scene, const Light& light, const GBuffer& gbuffer,
                                   const std::string& settings = "") const;
@@ -97,6 +104,6 @@ std::string with_small_pictures(const TechniqueEntry& entry, const std::string& 
 
 // The rules of each file.
 std::vector<Rule> about_rules(), answer_rules(), promise_rules(), cause_rules(), life_rules(), light_rules(), neighbor_rules(),
-    limit_rules(), scale_rules(), memory_rules(), motion_rules();
+    limit_rules(), scale_rules(), memory_rules(), motion_rules(), sequence_rules(), sequence_error_rules();
 
 }  // namespace gnomon::conformance
