@@ -51,6 +51,12 @@ class Technique:
         """Writes every pixel of `mask`, height x width: 1 lit, 0 in shadow, and 1 where a pixel does not face the light."""
         raise NotImplementedError
 
+    def forget(self):
+        """The next `resolve` is the first of a sequence, as on a fresh object; every `resolve` after it is the next frame. Called
+        where the description has remembers = true, which needs this method. What of the G-buffer is kept for the next frame is a
+        copy, np.array(gbuffer.position): its bytes are counted."""
+        raise NotImplementedError("the description has remembers = true, and the class has no method forget")
+
     def supports(self, scene, light, view):
         """"full", ("approximate", why) or ("unsupported", why); called where the description has answers = ["supports"]."""
         return "full"
@@ -189,6 +195,9 @@ class _Server:
             said = technique.supports(Scene(request["scene"]), _values(request["light"]), _values(request["view"]))
             support, why = (said, "") if isinstance(said, str) else said
             return {"support": support, "why": why}
+        if doing == "forget":
+            technique.forget()
+            return {}
         if doing == "explain":
             return {"explanations": technique.explain(request["pixels"])}
         given, mask = self.given(doing, request)

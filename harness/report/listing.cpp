@@ -17,6 +17,7 @@ Json about_json(const TechniqueEntry& entry) {
                {"sees", name(about.sees)},
                {"handles", handled(about)},
                {"needs_gl", about.needs_gl},
+               {"remembers", about.remembers},
                {"summary", about.summary},
                {"named_only", about.named_only}};
   if (const auto stages = described_stages(entry); !stages.empty()) json["stages"] = stages;
@@ -123,6 +124,7 @@ std::string describe_text(const TechniqueEntry& entry, std::size_t width, std::s
   add("promise", name(about.promise));
   add("sees", name(about.sees));
   add("handles", joined(handled(about), ", "));
+  if (about.remembers) add("remembers frames", "yes: a mask depends on the pictures before it");
   if (const auto stages = described_stages(entry); !stages.empty()) add("stages", joined(stages, ", "));
   add("role", name(about.role));
   add("needs OpenGL", about.needs_gl ? "yes" : "no");

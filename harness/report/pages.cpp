@@ -101,6 +101,8 @@ std::string technique_page(const TechniqueEntry& entry) {
   fact("Promise", std::string(name(about.promise)));
   fact("Geometry seen", std::string(name(about.sees)));
   fact("Handles", or_dash(code(joined(handled(about), "`, `"))));
+  if (about.remembers)
+    fact("Remembers frames", "yes: a mask depends on [the pictures before it](../method.md#techniques-that-remember-frames)");
   if (answers_area(entry)) fact("Lights with area", fmt::format("estimates the share of their {}", name(about.estimates)));
   if (!about.lights.empty()) fact("Lights", joined(about.lights, ", "));
   fact("Role", std::string(name(about.role)));

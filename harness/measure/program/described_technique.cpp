@@ -101,6 +101,7 @@ class DescribedTechnique final : public Technique {
   void build(const Scene&) override { elsewhere(); }
   void relight(const Light&) override { elsewhere(); }
   void resolve(const GBuffer&, VisibilityMask&) override { elsewhere(); }
+  void forget() override { elsewhere(); }
   Counts counts() const override { elsewhere(); }
   std::optional<SurfaceDetail> surface_detail() const override {
     return facts_->has_detail ? std::optional(SurfaceDetail()) : std::nullopt;
@@ -157,6 +158,7 @@ void for_each_fact(SomeAbout& about, const auto& use) {
     use("rasterizes", about.rasterizes);
     use("named_only", about.named_only);
     use("update_error", about.update_error);
+    use("remembers", about.remembers);
   }
 }
 

@@ -207,10 +207,11 @@ void refuse_control_characters(const toml::table& table, const fs::path& file) {
 
 std::shared_ptr<const ProgramDescription> read_program(const fs::path& file) {
   const toml::table toml = read_toml("program " + file.string(), file);
-  const Table table(toml, file, "program", {"title",     "summary", "source",      "error",      "fails",   "command",
-                                            "stages",    "lights",  "approximate", "promise",    "sees",    "estimates",
-                                            "role",      "answers", "scene",       "gbuffer",    "mask",    "need",
-                                            "parameter", "cause",   "rasterizes",  "named_only", "handles", "update_error"});
+  const Table table(
+      toml, file, "program",
+      {"title",     "summary", "source",     "error",      "fails",   "command",      "stages",   "lights", "approximate",
+       "promise",   "sees",    "estimates",  "role",       "answers", "scene",        "gbuffer",  "mask",   "need",
+       "parameter", "cause",   "rasterizes", "named_only", "handles", "update_error", "remembers"});
   auto made = std::make_shared<ProgramDescription>();
   ProgramDescription& d = *made;
   d.file = file;
@@ -241,6 +242,7 @@ std::shared_ptr<const ProgramDescription> read_program(const fs::path& file) {
   };
   d.has_stage = stages_of(toml, table);
   d.about.update_error = update_error_of(table);
+  d.about.remembers = table.flag("remembers", false);
   d.lights = list("lights", {std::begin(all_light_kinds), std::end(all_light_kinds)}, {"point", "spot", "directional"});
   d.light_kinds.assign(d.lights.begin(), d.lights.end());
   d.about.lights = d.light_kinds;

@@ -70,6 +70,12 @@ class ProgramTechnique final : public Technique, public WorksElsewhere {
                           {"mask", file.fresh(gbuffer.width, gbuffer.height)}});
     file.read(mask);
   }
+  /// A program that does not remember is not told, and one that has not been started has nothing to forget.
+  void forget() override {
+    if (!d_->about.remembers || !program_) return;
+    const Json answer = program_->process.ask(json_object({{"do", "forget"}, {"settings", settings_json()}}));
+    if (!answer.empty()) throw Error("forget was answered with the key {}; it may have none", answer.begin().key());
+  }
 
   /// The last counts of each stage, and `bytes`: by how much the process has grown since it started, unless it counts that
   /// itself.

@@ -40,8 +40,8 @@ TEST(described_technique, has_data_sheet_parameters_and_layers_of_the_one_that_i
               std::tie(b.title, b.summary, b.source, b.error, b.fails));
     EXPECT_EQ(std::tie(a.promise, a.sees, a.estimates, a.role, a.floor),
               std::tie(b.promise, b.sees, b.estimates, b.role, b.floor));
-    EXPECT_EQ(std::tie(a.needs_gl, a.is_default, a.rasterizes, a.named_only, a.update_error),
-              std::tie(b.needs_gl, b.is_default, b.rasterizes, b.named_only, b.update_error));
+    EXPECT_EQ(std::tie(a.needs_gl, a.is_default, a.rasterizes, a.named_only, a.update_error, a.remembers),
+              std::tie(b.needs_gl, b.is_default, b.rasterizes, b.named_only, b.update_error, b.remembers));
     EXPECT_TRUE(std::ranges::equal(a.handles, b.handles));
     ASSERT_EQ(a.causes.size(), b.causes.size());
     for (std::size_t k = 0; k < a.causes.size(); ++k)
@@ -91,6 +91,7 @@ TEST(described_technique, does_nothing_here_and_says_why) {
   const auto sound = described_technique(sheet_json(there), object_json(there), {}, "").make();
   EXPECT_THROW(sound->supports({}, {}, {}), Error);
   EXPECT_THROW(sound->setup(), Error);
+  EXPECT_THROW(sound->forget(), Error);
   const TechniqueEntry broken = described_technique(sheet_json(there), Json(), {}, "crashed in describe");
   EXPECT_EQ(broken.broken, "crashed in describe");
   EXPECT_TRUE(broken.make()->parameters().empty());
@@ -116,7 +117,7 @@ TEST(described_technique, knows_the_lights_that_are_told_or_all) {
 
 TEST(described_technique, nonsense_is_refused) {
   const TechniqueEntry& there = registry().technique("svbsp");
-  for (const char* key : {"id", "title", "promise", "causes", "needs_gl", "handles", "update_error"}) {
+  for (const char* key : {"id", "title", "promise", "causes", "needs_gl", "handles", "update_error", "remembers"}) {
     Json sheet = sheet_json(there);
     sheet[key] = json_object({{"no", "sense"}});
     EXPECT_ANY_THROW(described_technique(sheet, object_json(there), {}, "")) << key;
@@ -137,6 +138,15 @@ TEST(described_technique, has_the_update_error_of_the_one_that_it_describes) {
   const Json object = object_json(there);
   there.about.update_error = 3e-6f;
   EXPECT_EQ(described_technique(sent(sheet_json(there)), object, {}, "").about.update_error, 3e-6f);
+}
+
+TEST(described_technique, remembers_where_the_one_that_it_describes_does) {
+  TechniqueEntry there = registry().technique("svbsp");
+  const Json object = object_json(there);
+  for (const bool remembers : {false, true}) {
+    there.about.remembers = remembers;
+    EXPECT_EQ(described_technique(sent(sheet_json(there)), object, {}, "").about.remembers, remembers);
+  }
 }
 
 class SpoilsUpdate final : public Technique {

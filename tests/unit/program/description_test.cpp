@@ -61,6 +61,15 @@ TEST(description, has_an_update_error_of_a_share) {
     error_words::expect_words(error_words::error_of([&] { described(folder, line); }), {"update_error", "program.toml:7"});
 }
 
+TEST(description, says_whether_a_program_remembers_frames) {
+  const ScratchFolder folder = ScratchFolder::temporary("gnomon-description");
+  EXPECT_FALSE(described(folder, "")->about.remembers);
+  EXPECT_FALSE(described(folder, "remembers = false")->about.remembers);
+  EXPECT_TRUE(described(folder, "remembers = true")->about.remembers);
+  error_words::expect_words(error_words::error_of([&] { described(folder, "remembers = \"frames\""); }),
+                            {"remembers", "program.toml:7"});
+}
+
 TEST(description, has_no_parameter_that_spoils_update) {
   const ScratchFolder folder = ScratchFolder::temporary("gnomon-description");
   const auto with = [&](const std::string& stage) {
