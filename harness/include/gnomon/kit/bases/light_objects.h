@@ -24,8 +24,6 @@ class LightObjects {
   /// Sets what differs of the parameters, in every object. Answers the first stage that this spoils; nothing when nothing
   /// differs.
   std::optional<Stage> set(const std::string& settings);
-  /// Technique::forget of each.
-  void forget();
   /// Does a stage in every object, in the order of the lights: does(object, number).
   template <class Does>
   void each(Stage stage, const Does& does) {
