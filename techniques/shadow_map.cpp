@@ -2,9 +2,7 @@
 //
 // The faces of a cube are layers of one array, drawn one by one: only faces with casters and receivers are allocated, each is
 // fitted and culls meshes for itself, and a 3 x 2 atlas of the largest faces would exceed the largest texture (16384).
-//
-// Defaults: the bias with the lowest mean wrong rate in suite shadow_map_defaults; results/shadow_map_defaults has the sweep.
-#include <gnomon/kit/maps/compared_map.h>
+#include <gnomon/kit/maps/fitted_map.h>
 #include <gnomon/registry.h>
 
 namespace {
@@ -29,10 +27,7 @@ constexpr About about{
     .handles = with_gray_transmission,
     .causes = map_causes};
 
-class ShadowMap final : public ComparedMap {
-  Choice fit = Choice(this, "fit", "scene", {"scene", "view"}, Stage::relight,
-                      "Images hold all that casters and receivers share, or what the picture shows of it: then each resolve "
-                      "fits and draws them anew, and pays for it.");
+class ShadowMap final : public FittedMap {
   Choice stored = Choice(this, "stored", "first", {"first", "second", "midpoint", "dual"}, Stage::setup,
                          "What a texel holds: the first surface seen from the light, the second, the mean of both (the far "
                          "plane where there is no second), or that mean, but no more than dual_offset behind the first.");
@@ -41,17 +36,9 @@ class ShadowMap final : public ComparedMap {
                      "How far behind the first surface, at most, in widths of a texel there; for stored=dual.");
 
  public:
-  ShadowMap() : ComparedMap({.bias = "slope", .depth_bias = 0.25, .slope_bias = 1}) {}
   std::unique_ptr<Technique> for_another_light() const override { return another(*this, &ShadowMap::made_); }
 
  private:
-  std::optional<LightCamera> fitted_to_scene(const Light& light, const MeshBoxes& boxes, int margin) const override {
-    if (fit.is("view")) return std::nullopt;
-    return fit_to_scene(light, boxes, image_resolution(), margin);
-  }
-  LightCamera fitted_to_view(const Light& light, const MeshBoxes& boxes, const GBuffer& gbuffer, int margin) const override {
-    return fit_to_view(light, boxes, gbuffer, image_resolution(), margin);
-  }
   StoredDepth stored_depth() const override { return {StoredDepth::Kind(stored.index()), dual_offset}; }
 };
 

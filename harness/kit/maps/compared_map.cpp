@@ -5,17 +5,27 @@ namespace gnomon {
 
 namespace {
 
-constexpr std::string_view compare_body = R"(
-layout(location = 0) out float visibility;
-void main() { visibility = compared(ask(position_here(), normal_here())); }
+/// The decision of who has none.
+constexpr std::string_view depths_decide = R"(
+float decided(vec4 surface, vec4 facet, ComparedPoint point) { return compared(point); }
+float noted(vec4 surface, vec4 facet, ComparedPoint point) { return 0; }
 )";
 
-/// Writes where that looks, in texels, and the layer of the image.
+constexpr std::string_view compare_body = R"(
+layout(location = 0) out float visibility;
+void main() {
+  vec4 surface = position_here(), facet = normal_here();
+  visibility = decided(surface, facet, ask(surface, facet));
+}
+)";
+
+/// Writes where that looks, in texels, the layer of the image, and what the decision notes.
 constexpr std::string_view explain_body = R"(
 layout(location = 0) out vec4 looked_up;
 void main() {
-  ComparedPoint point = ask(position_here(), normal_here());
-  looked_up = vec4(point.position, light_facts.x, 0);
+  vec4 surface = position_here(), facet = normal_here();
+  ComparedPoint point = ask(surface, facet);
+  looked_up = vec4(point.position, light_facts.x, noted(surface, facet, point));
 }
 )";
 
@@ -47,9 +57,10 @@ MapComparison ComparedMap::comparison() const {
 
 Program ComparedMap::resolve_program(LightProjection projection, bool explains) const {
   const std::string head = light_map_head(projection, images()) + comparison_head(comparison());
+  const std::string by_more = decision();
   return pass_program(fmt::format("{} {}", id(), explains ? "explain" : "resolve"), comparison_constants(projection, images()),
-                      fmt::format("{}{}{}{}{}", head, gbuffer_snippet, light_map_snippet, comparison_snippet,
-                                  explains ? explain_body : compare_body));
+                      fmt::format("{}{}{}{}{}{}", head, gbuffer_snippet, light_map_snippet, comparison_snippet,
+                                  by_more.empty() ? depths_decide : by_more, explains ? explain_body : compare_body));
 }
 
 void ComparedMap::setup() {
@@ -91,6 +102,7 @@ void ComparedMap::draw_images(LightCamera&& camera) {
   if (made_->read_of == this) made_->read_of = nullptr;
   camera_ = std::move(camera);
   drawn_triangles_ = draw(depths_, made_->depth_images.hole_test());
+  images_drawn(camera_);
 }
 
 std::size_t ComparedMap::draw(Depths& depths, const HoleTest& test) const {
@@ -118,6 +130,7 @@ void ComparedMap::resolve(const GBuffer& gbuffer, VisibilityMask& mask) {
 void ComparedMap::look_up(const Program& program, const Depths& depths, unsigned target) const {
   set_comparison(program, light_, camera_, comparison());
   glBindTextureUnit(3, map(depths).name());
+  bind_decision(program, light_, *gbuffer_);
   draw_mask(program, made_->framebuffer, target, gbuffer_textures(*gbuffer_, *made_->scene));
 }
 
@@ -156,12 +169,19 @@ ComparedMap::Place ComparedMap::looked_up(std::size_t index) const {
     if (!program) program = resolve_program(projection(), true);
     const Texture texels(GL_RGBA32F, gbuffer_->width, gbuffer_->height);
     look_up(*program, depths_, texels.name());
-    made_->read_look_ups = read_texels<glm::vec3>(texels, GL_RGB);
+    made_->read_look_ups = read_texels<glm::vec4>(texels, GL_RGBA);
   }
-  const glm::dvec3 found = made_->read_look_ups[index];
+  const glm::vec4 found = made_->read_look_ups[index];
   const auto image = std::ranges::find(camera_.images, static_cast<int>(found.z), &LightImage::layer);
   const bool is_drawn = image != camera_.images.end() && found.x > -1e5;  // see set_light_camera
-  return {is_drawn ? &*image : nullptr, glm::dvec2(found)};
+  return {is_drawn ? &*image : nullptr, glm::dvec2(found.x, found.y), found.w};
+}
+
+std::vector<float> ComparedMap::noted() const {
+  std::vector<float> numbers(gbuffer_->size());
+  for (std::size_t i = 0; i < numbers.size(); ++i)
+    if (faces_light(*made_->scene, *gbuffer_, light_, i)) numbers[i] = looked_up(i).noted;
+  return numbers;
 }
 
 /// The mask of the last resolve, once more, of these images of its camera.
@@ -181,10 +201,11 @@ std::string_view ComparedMap::alpha_cause(std::size_t index) const {
 std::optional<Explanation> ComparedMap::explain(std::size_t index) const {
   if (!faces_light(*made_->scene, *gbuffer_, light_, index)) return Explanation();
   Explanation why;
-  if (const auto [image, texel] = looked_up(index); image) {
+  if (const auto [image, texel, number] = looked_up(index); image) {
     why = explain_comparison({camera_, *image, depths()}, comparison(), gbuffer_->position(index), gbuffer_->normal(index),
                              texel);
     why.cause = alpha_cause(index);
+    explain_decision(number, why);
   }
   made_->glass_difference.explain(why, *gbuffer_, light_, index);
   return why;
@@ -200,9 +221,10 @@ std::vector<float> ComparedMap::draw_debug(std::string_view layer) const {
   std::vector<LookUp> look_ups(gbuffer_->size());
   for (std::size_t i = 0; i < look_ups.size(); ++i) {
     if (!faces_light(*made_->scene, *gbuffer_, light_, i)) continue;
-    const auto [image, texel] = looked_up(i);
+    const Place place = looked_up(i);
+    const LightImage* const image = place.image;
     const int number = image ? static_cast<int>(image - camera_.images.data()) : camera_.image_of(gbuffer_->position(i));
-    look_ups[i] = {number, image ? glm::ivec2(glm::floor(texel)) : glm::ivec2(-1)};
+    look_ups[i] = {number, image ? glm::ivec2(glm::floor(place.texel)) : glm::ivec2(-1)};
   }
   return paint_texels(camera_, *made_->scene, *gbuffer_, light_, look_ups, answer(depths_));
 }

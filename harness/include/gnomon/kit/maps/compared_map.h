@@ -6,7 +6,8 @@
 
 namespace gnomon {
 
-/// What techniques share that compare a point with depth images of the light: they differ in which images those are.
+/// What techniques share that compare a point with depth images of the light: they differ in which images those are, and in
+/// what decides before depth does.
 ///
 /// The bias is a length along the axis of the image. Its parameters are in texels because acne is: a texel's world width at the
 /// point, times the parameter, gives meters.
@@ -42,7 +43,23 @@ class ComparedMap : public Technique {
   virtual StoredDepth stored_depth() const { return {}; }
   virtual LightImages images() const { return LightImages::faces; }
 
+  /// GLSL that answers where something else than depths can, read by setup; empty: depths answer everywhere. It follows
+  /// comparison_snippet, has texture units and storage bindings as `bind_decision` binds them, units from 4 on, and offers
+  ///
+  ///   float decided(vec4 surface, vec4 facet, ComparedPoint point)   the answer; compared(point) is that of the depths
+  ///   float noted(vec4 surface, vec4 facet, ComparedPoint point)     a number for `explain_decision` and `noted`
+  virtual std::string decision() const { return {}; }
+  /// Before a look-up with a decision.
+  virtual void bind_decision(const Program&, const Light&, const GBuffer&) const {}
+  /// Called after the images of a camera were drawn, in the stage that drew them.
+  virtual void images_drawn(const LightCamera&) {}
+  /// Changes what the depths explain of a pixel that faces the light, where its answer is not theirs alone.
+  virtual void explain_decision([[maybe_unused]] float number, Explanation&) const {}
+  /// What the decision notes of each pixel of the last resolve that faces the light; 0 at the others.
+  std::vector<float> noted() const;
+
   int image_resolution() const { return resolution; }
+  const GBuffer& gbuffer() const { return *gbuffer_; }
 
   /// What all lights share: a member of it each technique passes to `another`.
   struct Made {
@@ -56,7 +73,7 @@ class ComparedMap : public Technique {
     // What questions need, in memory: of one object at a time, for 64 lights' images fill a gigabyte.
     const ComparedMap* read_of = nullptr;
     std::vector<float> read_depths;        // of all layers, read at the first question after a relight
-    std::vector<glm::vec3> read_look_ups;  // by pixel, drawn at the first question after a resolve
+    std::vector<glm::vec4> read_look_ups;  // by pixel, drawn at the first question after a resolve
     std::optional<AlphaDifference> alpha_difference;
   };
   Shared<Made> made_;
@@ -90,6 +107,7 @@ class ComparedMap : public Technique {
   struct Place {
     const LightImage* image;  ///< null: nothing casts there
     glm::dvec2 texel;
+    float noted;  ///< by the decision
   };
   Place looked_up(std::size_t index) const;
   std::vector<float> answer(const Depths& depths) const;
