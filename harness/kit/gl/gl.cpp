@@ -41,6 +41,7 @@ std::string log_of(const auto& get, const auto& get_log, GLuint name) {
 }
 
 std::string_view stage_name(GLenum stage) {
+  if (stage == GL_GEOMETRY_SHADER) return "geometry";
   return stage == GL_VERTEX_SHADER ? "vertex" : stage == GL_FRAGMENT_SHADER ? "fragment" : "compute";
 }
 

@@ -104,6 +104,8 @@ std::vector<float> heat_layer(const GBuffer& gbuffer, std::span<const float> val
   return picture;
 }
 
+glm::dvec3 negative_heat() { return negative.color; }
+
 std::vector<Swatch> heat_legend() {
   std::vector<Swatch> legend;
   for (const HeatClass& c : heat_classes) legend.push_back(c.swatch);

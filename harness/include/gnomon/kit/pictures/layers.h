@@ -24,6 +24,8 @@ std::vector<float> heat_layer(const GBuffer& gbuffer, std::span<const float> val
 
 /// The classes of `heat_layer`, smallest first; without the negative values.
 std::vector<Swatch> heat_legend();
+/// The color of negative values there.
+glm::dvec3 negative_heat();
 
 /// A debug layer of `heat_layer`, whose sentence ends with how to read it.
 inline DebugLayer heat_debug_layer(std::string name, const std::string& what) {
