@@ -26,7 +26,7 @@ constexpr OwnCause causes[] = {
     {"off_screen", "The nearest caster is out of the picture.", {160, 255, 200}},
     {"hidden_caster", "Where the nearest caster is in the picture, a nearer surface hides it.", {0, 0, 80}},
     {"missed_step", "The picture shows the nearest caster, and the march's steps did not find it.", {0, 32, 48}},
-    {"thickness", "The ray passes behind a surface, which is thinner than the march takes it for.", {72, 8, 0}},
+    {"thickness", "The ray passes behind a surface, which is thinner than the march takes it for.", {84, 0, 196}},
     {"partner", "The partner decided, and names a cause that only its own rows have.", {152, 0, 72}},
     map_causes[0],
     map_causes[1],

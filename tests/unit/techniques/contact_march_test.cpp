@@ -2,7 +2,6 @@
 #include <gnomon/kit/pictures/layers.h>
 
 #include "contact_march_rig.h"
-#include "generated_scene.h"
 #include "measure/conformance/world.h"
 #include "techniques/contact_march/picture.h"
 
@@ -143,13 +142,14 @@ TEST_F(ContactMarch, with_a_partner_each_pixel_is_the_darker_of_the_two) {
   const conformance::World world(conformance::generated_scene("contact"), Truth::mesh);
   const GBuffer g = world.gbuffer(world.scene.views[0], 160, 90);
   for (const Light& light : {world.scene.lights[0], world.scene.lights[1]}) {
-    const std::vector<float> march = answered("contact_march", "partner=unshadowed", world.scene, light, g).mask;
+    const std::vector<float> march =
+        answered("contact_march", "length=0.05,thickness=1,partner=unshadowed", world.scene, light, g).mask;
     EXPECT_GT(std::ranges::count(march, 0.0f), 20);
     for (const auto& [partner, settings] : {std::pair<std::string, std::string>{"shadow_map", "resolution=128,filter=pcf"},
                                             {"embree_rays", ""},
                                             {"svbsp", "order=bsp"}}) {
       const std::vector<float> other = answered(partner, settings, world.scene, light, g).mask;
-      std::string text = "partner=" + partner;
+      std::string text = "length=0.05,thickness=1,partner=" + partner;
       for (std::size_t at = 0; !settings.empty() && at < settings.size();) {
         const std::size_t comma = std::min(settings.find(',', at), settings.size());
         text += ",partner." + settings.substr(at, comma - at);
