@@ -58,8 +58,8 @@ struct FilterPlanes {
 /// Taps and weights of one level, whose step is 2^level pixels.
 struct FilterRule {
   int reach = 2;               ///< taps to each side: 2 is (1, 4, 6, 4, 1) / 16 both ways, 1 is (2/3, 1, 2/3) both ways
-  int normal_doublings = 7;    ///< max(0, N_p . N_q)^(2^this)
-  float value_deviations = 0;  ///< e of exp(-|V_p - V_q| / (e s + floor)), s of the variance blurred by 3x3; 0: no such weight
+  bool sharp_normals = true;   ///< max(0, N_p . N_q)^128, else ^32
+  float value_deviations = 0;  ///< e of exp(-|V_p - V_q| / (e s + floor)), s^2 the variance blurred by 3x3; 0: no such weight
   float value_floor = 0;
 };
 /// Edge-avoiding a-trous levels (Dammertz et al. 2010) that follow the geometry alone.
@@ -67,13 +67,15 @@ inline constexpr FilterRule atrous_rule{};
 /// Those of SVGF (Schied et al. 2017), with the exact distance from the plane in place of differences of depth.
 inline constexpr FilterRule svgf_rule{.value_deviations = 4, .value_floor = 1e-4f};
 /// The three passes of FidelityFX's shadow denoiser.
-inline constexpr FilterRule tile_rule{.reach = 1, .normal_doublings = 5, .value_deviations = 1, .value_floor = 1e-4f};
+inline constexpr FilterRule tile_rule{.reach = 1, .sharp_normals = false, .value_deviations = 1, .value_floor = 1e-4f};
 /// Levels that fit into filter_margin: 0 .. 4.
 inline constexpr int most_filter_levels = 5;
 
-/// Runs levels over planes. A weight from p to q is the product of the taps, of max(0, N_p . N_q)^128, of exp(-|N_p . (P_q -
-/// P_p)| / footprint) and of that by value; 0 on another mesh and on pixels that do not count. The exponential is 1 / (1 + e +
-/// e^2 / 2 + e^3 / 6). A level's numbers are sum w x / sum w; variance is sum (w f)^2 var / (sum w f)^2, f the denominators.
+/// Runs levels over planes. A weight from p to q is the product of the taps, of max(0, N_p . N_q)^128 or ^32 and of exp(-e),
+/// with e the sum of |N_p . (P_q - P_p)| / footprint and of what the values differ by; 0 on another mesh and on pixels that do
+/// not count. For exp(-e) stands 1 / (1 + e + e^2 / 2 + e^3 / 6). A level's numbers are sum w x / sum w; variance is sum (w
+/// f)^2 var / (sum w f)^2, f the denominators. A pixel whose denominator is 0 looks at others as if it were half lit, of
+/// variance 1/4.
 class GuidedFilter {
  public:
   /// Room for `numerator_count` numerators. `run` does it where it has to; nothing is allocated afterwards.
@@ -90,17 +92,17 @@ class GuidedFilter {
   std::size_t bytes() const;
 
  private:
-  struct Level;  ///< what a level reads and writes
-  void load(const FilterGuides& guides, const FilterPlanes& planes);
-  void store(const FilterGuides& guides, const FilterPlanes& planes) const;
-  void run_level(const FilterGuides& guides, const FilterRule& rule, int level, std::size_t numerators, bool has_variance,
+  void load(const FilterGuides& guides, const FilterPlanes& planes, bool by_value);
+  void store(const FilterGuides& guides, const FilterPlanes& planes, bool by_value) const;
+  void look_at_values(const FilterGuides& guides, const FilterRule& rule);
+  void run_level(const FilterGuides& guides, const FilterRule& rule, int level, std::size_t numerator_count,
                  std::span<const float> strength);
 
   int width_ = 0, height_ = 0;
-  std::size_t numerators_ = 0;
-  std::vector<UnsetVector<float>> now_, next_;  ///< denominators, numerators, variance; with margins
-  UnsetVector<float> value_, per_deviation_;    ///< with margins
-  UnsetVector<float> strength_;                 ///< row-major, of run_by_sigma
+  std::vector<UnsetVector<float>> now_, next_;       ///< denominators, numerators; with margins
+  UnsetVector<float> variance_now_, variance_next_;  ///< with margins
+  UnsetVector<float> value_, per_deviation_;         ///< with margins; 0 where values weigh nothing
+  UnsetVector<float> strength_;                      ///< row-major, of run_by_sigma
 };
 
 /// Sigma in pixels for penumbrae of a width in pixels: 1.8 (w / 12)^(2/3), the least error of one ray a pixel in straight

@@ -35,7 +35,8 @@ class TileMap {
   /// From shares that were asked, 0 .. 1: num / den. Reuses its memory at the same size. Throws Error on sizes that do not
   /// agree.
   void make(const FilterGuides& guides, std::span<const float> numerators, std::span<const float> denominators);
-  /// Whether all pixels that count in the 3 x 6 words around the tile of pixel (x, y) are lit, or all dark.
+  /// Whether all pixels that count in the 3 x 6 words around the tile of pixel (x, y) are lit, or all dark. One whose
+  /// denominator is 0 is neither.
   bool is_uniform(int x, int y) const { return uniform_[static_cast<std::size_t>(y / 8) * tile_columns_ + x / 8] != 0; }
   /// Of each pixel, row-major: the ratio of sums of numerators and denominators under the 17 x 17 taps, pixels that count
   /// alone; 1 where there is none.
@@ -48,9 +49,10 @@ class TileMap {
   void mark(const FilterGuides& guides, std::span<const float> numerators, std::span<const float> denominators);
   void average(const FilterGuides& guides, std::span<const float> numerators, std::span<const float> denominators);
 
-  int tile_columns_ = 0;
+  int tile_columns_ = 0, word_rows_ = 0;
   UnsetVector<std::uint32_t> lit_, dark_;  ///< words: bit 8 * row + column: the pixel is at least partly so
   UnsetVector<std::uint8_t> uniform_;      ///< of tiles
+  UnsetVector<float> top_, bottom_;        ///< numerators and denominators with margins, 0 where a pixel does not count
   UnsetVector<float> across_top_, across_bottom_, mean_, strength_;
 };
 
