@@ -52,6 +52,7 @@ class Crowd {
         energy_[static_cast<std::size_t>(j) * side_ + i] += to ? weight : -weight;
       }
   }
+  std::int32_t energy(std::size_t at) const { return energy_[at]; }
   /// The most crowded point that is set.
   std::size_t tightest() const {
     std::size_t best = energy_.size();
@@ -92,14 +93,15 @@ std::vector<std::uint16_t> blue_noise_ranks(int side, std::uint64_t seed) {
   Crowd crowd(side);
   for (std::size_t i = 0; i < first_count; ++i) crowd.change(order[i], true);
 
-  // Points move from the tightest cluster to the largest void until they would move back. Every move lowers the sum of
-  // energies, so it ends.
+  // Points move from the tightest cluster to the largest void as long as that is less crowded. Every move lowers the sum
+  // of energies, so it ends.
   for (;;) {
     const std::size_t from = crowd.tightest();
     crowd.change(from, false);
     const std::size_t to = crowd.emptiest();
-    crowd.change(to, true);
-    if (to == from) break;
+    const bool is_better = crowd.energy(to) < crowd.energy(from);
+    crowd.change(is_better ? to : from, true);
+    if (!is_better) break;
   }
 
   // Those are ranked by taking them away, on a copy; all others by filling the largest void. In the second half that is the

@@ -47,8 +47,8 @@ class FilterGuides {
   UnsetVector<std::uint32_t> mesh_;
 };
 
-/// What is filtered, in place; each span has one number a pixel, row-major. Numbers of pixels that do not count are neither
-/// read nor written.
+/// What is filtered, in place; each span has one number a pixel, row-major. Numbers of pixels that do not count stay as they
+/// are, and what they are does not matter.
 struct FilterPlanes {
   std::span<float> denominators;
   std::span<const std::span<float>> numerators;  ///< at least one; weights by value look at the first, the others follow
