@@ -13,27 +13,28 @@ namespace gnomon {
 
 namespace {
 
-constexpr std::size_t rows = 8;  // of a task
-constexpr int chunk = 64;        // pixels of a row at once
-using Chunk = std::array<float, chunk>;
+constexpr std::size_t guide_rows = 8;  // of a task
+constexpr int moment_chunk = 64;       // pixels of a row at once
+using MomentChunk = std::array<float, moment_chunk>;
 
 /// Adds f, f V and f V^2 of one tap to those of a chunk, where it is on the same mesh and near the plane.
-GNOMON_VECTORIZED void add_moments(const FilterGuides::Row& middle, const FilterGuides::Row& beside, const float* numerator,
-                                   const float* denominator, int count, float* __restrict sum_f, float* __restrict sum_v,
-                                   float* __restrict sum_v2) {
+GNOMON_VECTORIZED void add_share_moments(const FilterGuides::Row& middle, const FilterGuides::Row& beside,
+                                         const float* numerator, const float* denominator, int count, float* __restrict sum_f,
+                                         float* __restrict sum_v, float* __restrict sum_v2) {
   const FilterGuides::Row p = middle, q = beside;
   for (int i = 0; i < count; ++i) {
     const float dx = q.px[i] - p.px[i], dy = q.py[i] - p.py[i], dz = q.pz[i] - p.pz[i];
     const float apart = std::fabs(p.nx[i] * dx + p.ny[i] * dy + p.nz[i] * dz) * p.per_footprint[i];
     const bool joins = (p.mesh[i] == q.mesh[i]) & (q.mesh[i] != no_mesh) & (apart < 2);
-    const float f = joins ? denominator[i] : 0, v = joins ? numerator[i] : 0;
+    const float asked = denominator[i], seen = numerator[i];  // read unconditionally, or the loop is no vector loop
+    const float f = joins ? asked : 0, v = joins ? seen : 0;
     sum_f[i] += f;
     sum_v[i] += v;
     sum_v2[i] += v * v / (f > 0 ? f : 1);
   }
 }
 
-FilterGuides::Row from(const FilterGuides::Row& g, std::ptrdiff_t x) {
+FilterGuides::Row row_from(const FilterGuides::Row& g, std::ptrdiff_t x) {
   return {g.px + x, g.py + x, g.pz + x, g.nx + x, g.ny + x, g.nz + x, g.per_footprint + x, g.mesh + x};
 }
 
@@ -50,7 +51,7 @@ void FilterGuides::make(const GBuffer& gbuffer, std::span<const std::uint8_t> fa
   mesh_.resize(size);
   const Camera camera(gbuffer.view, width_, height_);
   const double per_meter = 2 * camera.tan_y / height_;  // pixel's height at a depth of 1 m, along the view's axis
-  for_blocks(static_cast<std::size_t>(height_), rows, [&](std::size_t begin, std::size_t end) {
+  for_blocks(static_cast<std::size_t>(height_), guide_rows, [&](std::size_t begin, std::size_t end) {
     for (int y = static_cast<int>(begin); y < static_cast<int>(end); ++y) {
       const std::size_t start = at(0, y) - filter_margin, length = static_cast<std::size_t>(stride());
       for (UnsetVector<float>* plane : planes) std::fill_n(&(*plane)[start], length, 0.0f);
@@ -86,12 +87,26 @@ float sigma_of_width(float width_pixels) noexcept {
   return 1.8f * root * root;
 }
 
-float penumbra_width(float radius, float light_distance, float blocker_distance) noexcept {
-  const float left = light_distance - blocker_distance;
-  return left > 0 ? 2 * radius * blocker_distance / left : std::numeric_limits<float>::infinity();
+float penumbra_width(float radius, float light_distance, float caster_distance) noexcept {
+  const float left = light_distance - caster_distance;
+  return left > 0 ? 2 * radius * caster_distance / left : std::numeric_limits<float>::infinity();
 }
 
-float distant_penumbra_width(float tan_theta, float blocker_distance) noexcept { return 2 * blocker_distance * tan_theta; }
+float distant_penumbra_width(float tan_theta, float caster_distance) noexcept { return 2 * caster_distance * tan_theta; }
+
+void sigmas_of_widths(const FilterGuides& guides, std::span<const float> widths, std::span<const float> counts,
+                      std::span<float> sigma) {
+  const std::size_t width = static_cast<std::size_t>(guides.width()), size = width * guides.height();
+  for (const std::size_t given : {widths.size(), counts.size(), sigma.size()})
+    if (given != size) throw Error("a plane has {} pixels, not the {} of the guides", given, size);
+  for_blocks(static_cast<std::size_t>(guides.height()), guide_rows, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin * width; i < end * width; ++i) {
+      const int x = static_cast<int>(i % width), y = static_cast<int>(i / width);
+      const bool is_known = guides.counts(x, y) && counts[i] > 0;
+      sigma[i] = is_known ? sigma_of_width(widths[i] / counts[i] / guides.footprint(x, y)) : 0;
+    }
+  });
+}
 
 void spread_variance(const FilterGuides& guides, std::span<const float> numerators, std::span<const float> denominators,
                      std::span<float> variance, std::span<const float> history_length, float fewest_frames) {
@@ -111,15 +126,15 @@ void spread_variance(const FilterGuides& guides, std::span<const float> numerato
     bool any = false;
     for (int i = 0; i < count && !any; ++i) any = is_wanted(i);
     if (!any) return;
-    Chunk f{}, v{}, v2{};
+    MomentChunk f{}, v{}, v2{};
     for (int row = std::max(y - reach, 0); row <= std::min(y + reach, height - 1); ++row)
       for (int by = -reach; by <= reach; ++by) {
         // Planes have no margins: pixels whose tap is beside the picture are left out.
         const int low = std::max(0, -by - x), high = std::min(count, width - by - x);
         if (low >= high) continue;
         const std::size_t tap = static_cast<std::size_t>(row) * width + (x + low + by);
-        add_moments(from(guides.row(y), x + low), from(guides.row(row), x + low + by), &numerators[tap], &denominators[tap],
-                    high - low, &f[low], &v[low], &v2[low]);
+        add_share_moments(row_from(guides.row(y), x + low), row_from(guides.row(row), x + low + by), &numerators[tap],
+                          &denominators[tap], high - low, &f[low], &v[low], &v2[low]);
       }
     for (int i = 0; i < count; ++i) {
       if (!is_wanted(i)) continue;
@@ -127,9 +142,9 @@ void spread_variance(const FilterGuides& guides, std::span<const float> numerato
       variance[at + i] = f[i] > 0 ? std::max(v2[i] / f[i] - mean * mean, 0.0f) : 0.25f;  // nothing asked: a coin's
     }
   };
-  for_blocks(static_cast<std::size_t>(height), rows, [&](std::size_t begin, std::size_t end) {
+  for_blocks(static_cast<std::size_t>(height), guide_rows, [&](std::size_t begin, std::size_t end) {
     for (int y = static_cast<int>(begin); y < static_cast<int>(end); ++y)
-      for (int x = 0; x < width; x += chunk) spread(x, y, std::min(chunk, width - x));
+      for (int x = 0; x < width; x += moment_chunk) spread(x, y, std::min(moment_chunk, width - x));
   });
 }
 

@@ -10,31 +10,32 @@ namespace gnomon {
 
 namespace {
 
-constexpr double g = 1.324717957244746;  // g^3 = g + 1
+constexpr double r2_base = 1.324717957244746;  // its cube is 1 more
 
 /// Powers of 1/p, p^5 = p + 1: the additive lattice of four dimensions (Roberts 2018), columns and rows of the picture and both
 /// ways of the light. Of the orders and signs of these four numbers this has the least error of straight penumbrae 24 pixels
 /// wide at one ray a pixel, over twelve directions: .0173 in the mean and .0199 at worst, where white noise has .039.
-constexpr double p = 1.1673039782614187;
-constexpr double across_x = 1 / (p * p * p * p), across_y = 1 / p, along_x = 1 / (p * p), along_y = -1 / (p * p * p);
+constexpr double lattice_base = 1.1673039782614187;
+constexpr double column_to_x = 1 / (lattice_base * lattice_base * lattice_base * lattice_base), row_to_x = 1 / lattice_base,
+                 column_to_y = 1 / (lattice_base * lattice_base), row_to_y = -1 / (lattice_base * lattice_base * lattice_base);
 
-double wrapped(double number) { return number - std::floor(number); }
+double wrapped_place(double number) { return number - std::floor(number); }
 
 /// A number of [0, 1) stays below 1 in float.
-glm::vec2 narrowed(const glm::dvec2& place) {
+glm::vec2 narrowed_place(const glm::dvec2& place) {
   constexpr float last = 0x1.fffffep-1f;
   return {std::min(static_cast<float>(place.x), last), std::min(static_cast<float>(place.y), last)};
 }
 
-std::uint64_t pixel_seed(std::uint64_t seed, int x, int y) {
+std::uint64_t pixel_noise_seed(std::uint64_t seed, int x, int y) {
   return mixed(mixed(seed) + (static_cast<std::uint64_t>(static_cast<std::uint32_t>(y)) << 32 | static_cast<std::uint32_t>(x)));
 }
 
 /// How crowded each pixel of a square that wraps around is by the points that are set: a sum of Gaussians in whole numbers, so
 /// that no rounding decides.
-class Crowd {
+class PointCrowd {
  public:
-  explicit Crowd(int side) : side_(side), energy_(static_cast<std::size_t>(side) * side), is_set_(energy_.size()) {
+  explicit PointCrowd(int side) : side_(side), energy_(static_cast<std::size_t>(side) * side), is_set_(energy_.size()) {
     constexpr double sigma = 1.5;  // pixels (Ulichney 1993)
     for (int y = -reach; y <= reach; ++y)
       for (int x = -reach; x <= reach; ++x)
@@ -81,7 +82,7 @@ class Crowd {
 
 glm::dvec2 r2_place(std::uint64_t index) noexcept {
   const auto i = static_cast<double>(index);
-  return {wrapped(0.5 + i / g), wrapped(0.5 + i / (g * g))};
+  return {wrapped_place(0.5 + i / r2_base), wrapped_place(0.5 + i / (r2_base * r2_base))};
 }
 
 std::vector<std::uint16_t> blue_noise_ranks(int side, std::uint64_t seed) {
@@ -90,7 +91,7 @@ std::vector<std::uint16_t> blue_noise_ranks(int side, std::uint64_t seed) {
   std::vector<std::uint32_t> order(count);
   for (std::size_t i = 0; i < count; ++i) order[i] = static_cast<std::uint32_t>(i);
   Random(seed).shuffle(order);
-  Crowd crowd(side);
+  PointCrowd crowd(side);
   for (std::size_t i = 0; i < first_count; ++i) crowd.change(order[i], true);
 
   // Points move from the tightest cluster to the largest void as long as that is less crowded. Every move lowers the sum
@@ -107,7 +108,7 @@ std::vector<std::uint16_t> blue_noise_ranks(int side, std::uint64_t seed) {
   // Those are ranked by taking them away, on a copy; all others by filling the largest void. In the second half that is the
   // tightest cluster of pixels left, because the energies of both sets add up to the same everywhere.
   std::vector<std::uint16_t> ranks(count);
-  Crowd left = crowd;
+  PointCrowd left = crowd;
   for (std::size_t rank = first_count; rank-- > 0;) {
     const std::size_t at = left.tightest();
     left.change(at, false);
@@ -137,20 +138,21 @@ glm::vec2 RayPlaces::place(int x, int y, std::uint32_t frame, int ray) const noe
     case RayPattern::blue: {
       const glm::vec2& offset = mask_[static_cast<std::size_t>(y % side) * side + x % side];
       const glm::dvec2 place = r2_place(index);
-      return narrowed({wrapped(place.x + offset.x), wrapped(place.y + offset.y)});
+      return narrowed_place({wrapped_place(place.x + offset.x), wrapped_place(place.y + offset.y)});
     }
     case RayPattern::r2: {
       const glm::dvec2 place = r2_place(index + 1);
-      return narrowed({wrapped(place.x + x * across_x + y * across_y), wrapped(place.y + x * along_x + y * along_y)});
+      return narrowed_place(
+          {wrapped_place(place.x + x * column_to_x + y * row_to_x), wrapped_place(place.y + x * column_to_y + y * row_to_y)});
     }
     case RayPattern::sobol: {
-      const Squares squares = Scramble(pixel_seed(seed_, x, y)).of_first(static_cast<std::uint32_t>(index / 16));
+      const Squares squares = Scramble(pixel_noise_seed(seed_, x, y)).of_first(static_cast<std::uint32_t>(index / 16));
       return {squares.x[index % 16], squares.y[index % 16]};
     }
     case RayPattern::white:
       break;
   }
-  const std::uint64_t bits = mixed(pixel_seed(seed_, x, y) + index * mixed_step);
+  const std::uint64_t bits = mixed(pixel_noise_seed(seed_, x, y) + index * mixed_step);
   return {static_cast<float>(bits >> 40) * 0x1p-24f, static_cast<float>(bits & 0xffffffu) * 0x1p-24f};
 }
 

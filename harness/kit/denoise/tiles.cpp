@@ -11,26 +11,26 @@ namespace gnomon {
 
 namespace {
 
-constexpr int reach = 8;  // taps to each side
+constexpr int tile_reach = 8;  // taps to each side
 
 /// exp(-3 i^2 / 81) to each side of the middle, of sum 1.
-std::array<float, reach + 1> make_taps() {
-  std::array<double, reach + 1> taps{};
+std::array<float, tile_reach + 1> make_tile_taps() {
+  std::array<double, tile_reach + 1> taps{};
   double sum = 0;
-  for (int i = 0; i <= reach; ++i) {
+  for (int i = 0; i <= tile_reach; ++i) {
     taps[i] = std::exp(-3.0 * i * i / 81);
     sum += i == 0 ? taps[i] : 2 * taps[i];
   }
-  std::array<float, reach + 1> result{};
-  for (int i = 0; i <= reach; ++i) result[i] = static_cast<float>(taps[i] / sum);
+  std::array<float, tile_reach + 1> result{};
+  for (int i = 0; i <= tile_reach; ++i) result[i] = static_cast<float>(taps[i] / sum);
   return result;
 }
 
-GNOMON_VECTORIZED void add(const float* plane, float weight, int count, float* __restrict sum) {
+GNOMON_VECTORIZED void add_tile_row(const float* plane, float weight, int count, float* __restrict sum) {
   for (int i = 0; i < count; ++i) sum[i] += weight * plane[i];
 }
 
-constexpr std::size_t rows = 8;  // of a task
+constexpr std::size_t mean_rows = 8;  // of a task
 
 }  // namespace
 
@@ -117,7 +117,7 @@ void TileMap::mark(const FilterGuides& guides, std::span<const float> numerators
 
 void TileMap::average(const FilterGuides& guides, std::span<const float> numerators, std::span<const float> denominators) {
   const int width = guides.width(), height = guides.height();
-  static const std::array<float, reach + 1> taps = make_taps();
+  static const std::array<float, tile_reach + 1> taps = make_tile_taps();
   const auto row_of = [width](UnsetVector<float>& plane, int y) { return &plane[static_cast<std::size_t>(y) * width]; };
   const auto across = [&](std::span<const float> from, UnsetVector<float>& padded, UnsetVector<float>& sums, int y) {
     const std::uint32_t* mesh = guides.row(y).mesh;
@@ -126,23 +126,23 @@ void TileMap::average(const FilterGuides& guides, std::span<const float> numerat
     std::fill_n(inner - filter_margin, guides.stride(), 0.0f);
     for (int x = 0; x < width; ++x) inner[x] = mesh[x] != no_mesh ? source[x] : 0;
     std::fill_n(row_of(sums, y), width, 0.0f);
-    for (int i = -reach; i <= reach; ++i) add(inner + i, taps[std::abs(i)], width, row_of(sums, y));
+    for (int i = -tile_reach; i <= tile_reach; ++i) add_tile_row(inner + i, taps[std::abs(i)], width, row_of(sums, y));
   };
-  for_blocks(static_cast<std::size_t>(height), rows, [&](std::size_t begin, std::size_t end) {
+  for_blocks(static_cast<std::size_t>(height), mean_rows, [&](std::size_t begin, std::size_t end) {
     for (int y = static_cast<int>(begin); y < static_cast<int>(end); ++y) {
       across(numerators, top_, across_top_, y);
       across(denominators, bottom_, across_bottom_, y);
     }
   });
   // Down the columns; the padded planes hold the sums now.
-  for_blocks(static_cast<std::size_t>(height), rows, [&](std::size_t begin, std::size_t end) {
+  for_blocks(static_cast<std::size_t>(height), mean_rows, [&](std::size_t begin, std::size_t end) {
     for (int y = static_cast<int>(begin); y < static_cast<int>(end); ++y) {
       float *top = &top_[guides.at(0, y)], *bottom = &bottom_[guides.at(0, y)], *mean = row_of(mean_, y);
       std::fill_n(top, width, 0.0f);
       std::fill_n(bottom, width, 0.0f);
-      for (int j = std::max(-reach, -y); j <= std::min(reach, height - 1 - y); ++j) {
-        add(row_of(across_top_, y + j), taps[std::abs(j)], width, top);
-        add(row_of(across_bottom_, y + j), taps[std::abs(j)], width, bottom);
+      for (int j = std::max(-tile_reach, -y); j <= std::min(tile_reach, height - 1 - y); ++j) {
+        add_tile_row(row_of(across_top_, y + j), taps[std::abs(j)], width, top);
+        add_tile_row(row_of(across_bottom_, y + j), taps[std::abs(j)], width, bottom);
       }
       for (int x = 0; x < width; ++x) mean[x] = bottom[x] > 0 ? std::min(top[x] / bottom[x], 1.0f) : 1.0f;
     }

@@ -14,7 +14,7 @@ namespace gnomon::denoise_penumbra_test {
 using denoise_pictures::Shares;
 using denoise_pictures::Wall;
 
-TEST(denoise_penumbra, width_of_a_penumbra_follows_from_its_blocker) {
+TEST(denoise_penumbra, width_of_a_penumbra_follows_from_its_caster) {
   EXPECT_NEAR(penumbra_width(0.15f, 4, 1), 0.1, 1e-6);  // .3 * 1 / 3
   EXPECT_EQ(penumbra_width(0.15f, 4, 4), std::numeric_limits<float>::infinity());
   EXPECT_EQ(penumbra_width(0.15f, 4, 0), 0);
@@ -30,6 +30,19 @@ TEST(denoise_penumbra, footprint_is_a_pixel_at_the_points_depth) {
   const FilterGuides guides = wall.guides();
   EXPECT_NEAR(guides.footprint(15, 10), wall.pixel(), 1e-6);
   EXPECT_NEAR(guides.footprint(2, 3), 2 * wall.pixel(), 1e-6);
+}
+
+TEST(denoise_penumbra, sigma_follows_from_dark_rays_in_the_pixels_own_size) {
+  Wall wall(30, 20);
+  wall.pz[wall.at(2, 3)] = -5;
+  wall.faces[wall.at(7, 7)] = 0;
+  std::vector<float> widths(wall.size(), 3 * 12 * wall.pixel()), counts(wall.size(), 3), sigma(wall.size(), -1);
+  counts[wall.at(1, 1)] = 0;
+  sigmas_of_widths(wall.guides(), widths, counts, sigma);
+  EXPECT_NEAR(sigma[wall.at(20, 10)], 1.8, 1e-5);
+  EXPECT_NEAR(sigma[wall.at(2, 3)], sigma_of_width(6), 1e-5);
+  EXPECT_EQ(sigma[wall.at(1, 1)], 0);
+  EXPECT_EQ(sigma[wall.at(7, 7)], 0);
 }
 
 struct Errors {

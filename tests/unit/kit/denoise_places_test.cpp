@@ -25,7 +25,7 @@ TEST(denoise_places, r2_starts_as_published) {
 
 TEST(denoise_places, first_pixel_of_r2_goes_along_r2_over_rays_and_frames) {
   const RayPlaces places(RayPattern::r2, 2);
-  for (int i = 0; i < 4; ++i) expect_first_places(places.place(0, 0, static_cast<std::uint32_t>(i / 2), i % 2), i);
+  for (int i = 0; i < 4; ++i) expect_first_places(glm::dvec2(places.place(0, 0, static_cast<std::uint32_t>(i / 2), i % 2)), i);
 }
 
 TEST(denoise_places, blue_ranks_are_each_there_once) {

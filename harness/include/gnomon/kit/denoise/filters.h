@@ -109,10 +109,16 @@ class GuidedFilter {
 /// penumbrae of 12 to 48 pixels. 0 at 0: contacts stay as they are.
 float sigma_of_width(float width_pixels) noexcept;
 
-/// Width of a penumbra in meters across the light's rays: of a lamp of radius `radius` at `light_distance`, with the blocker
-/// `blocker_distance` from the point: 2 r d / (D - d). Of a distant light 2 d tan(theta). Infinite where d >= D.
-float penumbra_width(float radius, float light_distance, float blocker_distance) noexcept;
-float distant_penumbra_width(float tan_theta, float blocker_distance) noexcept;
+/// Width of a penumbra in meters across the light's rays: of a lamp of radius `radius` at `light_distance`, with the caster
+/// `caster_distance` from the point: 2 r d / (D - d). Of a distant light 2 d tan(theta). Infinite where d >= D.
+float penumbra_width(float radius, float light_distance, float caster_distance) noexcept;
+float distant_penumbra_width(float tan_theta, float caster_distance) noexcept;
+
+/// Sigma of each pixel from sums over its dark rays: of the widths of their penumbrae in meters, and of their number. Both are
+/// filtered alike before, say by levels 0 .. 3 of atrous_rule, so that lit pixels have the width of the dark rays around.
+/// 0 where there is no dark ray near.
+void sigmas_of_widths(const FilterGuides& guides, std::span<const float> widths, std::span<const float> counts,
+                      std::span<float> sigma);
 
 /// Variance of the ratio of the first numerators to the denominators over the 7x7 pixels around each that counts, those on the
 /// same mesh and within two footprints of its plane, each weighted by its denominator. Where the least history, in frames, is
