@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 
 namespace gnomon {
 
@@ -88,8 +87,7 @@ float sigma_of_width(float width_pixels) noexcept {
 }
 
 float penumbra_width(float radius, float light_distance, float caster_distance) noexcept {
-  const float left = light_distance - caster_distance;
-  return left > 0 ? 2 * radius * caster_distance / left : std::numeric_limits<float>::infinity();
+  return 2 * radius * caster_distance / std::max(light_distance - caster_distance, light_distance / 1024);
 }
 
 float distant_penumbra_width(float tan_theta, float caster_distance) noexcept { return 2 * caster_distance * tan_theta; }

@@ -110,7 +110,8 @@ class GuidedFilter {
 float sigma_of_width(float width_pixels) noexcept;
 
 /// Width of a penumbra in meters across the light's rays: of a lamp of radius `radius` at `light_distance`, with the caster
-/// `caster_distance` from the point: 2 r d / (D - d). Of a distant light 2 d tan(theta). Infinite where d >= D.
+/// `caster_distance` from the point: 2 r d / (D - d). Of a distant light 2 d tan(theta). D - d counts as D / 1024 at least, so
+/// that widths are finite and can be summed up.
 float penumbra_width(float radius, float light_distance, float caster_distance) noexcept;
 float distant_penumbra_width(float tan_theta, float caster_distance) noexcept;
 
@@ -120,9 +121,9 @@ float distant_penumbra_width(float tan_theta, float caster_distance) noexcept;
 void sigmas_of_widths(const FilterGuides& guides, std::span<const float> widths, std::span<const float> counts,
                       std::span<float> sigma);
 
-/// Variance of the ratio of the first numerators to the denominators over the 7x7 pixels around each that counts, those on the
-/// same mesh and within two footprints of its plane, each weighted by its denominator. Where the least history, in frames, is
-/// below `fewest_frames` it replaces what `variance` holds; empty: everywhere.
+/// Variance of the ratio of the first numerators to the denominators over the 7x7 pixels around each that counts: those on the
+/// same mesh and within two footprints of its plane, each weighted by its denominator. Written where `history_length`, in
+/// frames, is below `fewest_frames`, and everywhere if that is empty; elsewhere `variance` keeps what it holds.
 void spread_variance(const FilterGuides& guides, std::span<const float> numerators, std::span<const float> denominators,
                      std::span<float> variance, std::span<const float> history_length = {}, float fewest_frames = 4);
 
