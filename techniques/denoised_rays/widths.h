@@ -1,0 +1,34 @@
+#pragma once
+#include <gnomon/kit/denoise/filters.h>
+
+#include "pixel_rays.h"
+
+namespace gnomon::denoised_rays {
+
+/// How far each pixel is to be spread, by the width of the penumbra that the light and the mean distance of blockers around it
+/// make (Mehta et al. 2012).
+class Widths {
+ public:
+  /// Spreads `rays.distance` and `rays.dark` in place. A pixel takes the mean distance of the dark rays of the smallest
+  /// neighborhood that has enough of them, so that a contact keeps its own width beside a wide penumbra.
+  void make(const FilterGuides& guides, const GBuffer& gbuffer, const Light& light, int rays_per_pixel, GuidedFilter& filter,
+            RayPlanes& rays);
+  /// Pixels, row-major; 0 where no dark ray is around.
+  std::span<const float> sigma() const { return sigma_; }
+  std::size_t bytes() const { return sigma_.size() * sizeof(float); }
+
+ private:
+  UnsetVector<float> sigma_;
+};
+
+/// The width in pixels that leads to a sigma: the inverse of sigma_of_width.
+double width_of_sigma(double sigma);
+
+/// What the width of a penumbra depends on, of a light with area seen from a point: the distance of its center, and the radius
+/// of the disc across the way there that covers as much as the light does.
+struct LampSize {
+  double distance, radius;
+};
+LampSize lamp_size(const Light& light, const glm::dvec3& point);
+
+}  // namespace gnomon::denoised_rays
