@@ -1,9 +1,12 @@
 // Denoised rays: 1 to 4 shadow rays from every visible point, a filter over pixels and a memory over frames.
+#include <gnomon/kit/bytes.h>
 #include <gnomon/kit/parallel.h>
 #include <gnomon/kit/rays/ray_casters.h>
 #include <gnomon/registry.h>
 
+#include <algorithm>
 #include <bit>
+#include <cmath>
 #include <cstring>
 
 #include "denoised_rays/layers.h"
@@ -20,7 +23,7 @@ constexpr About about{
     .summary = "One to four shadow rays from every visible point, averaged over pixels around it and over frames before.",
     .source =
         "Schied et al. 2017 (variance-guided filter); Dammertz et al. 2010 (a-trous levels); Mehta et al. 2012 (width from "
-        "the blockers' distance); Heitz, Hill and McGuire 2018 (ratio of sums); Roberts 2018 (R2); Ulichney 1993 (void and "
+        "the casters' distance); Heitz, Hill and McGuire 2018 (ratio of sums); Roberts 2018 (R2); Ulichney 1993 (void and "
         "cluster); AMD 2021 (tiles, clamped history).",
     .error =
         "A mean over sigma pixels blurs a penumbra of as many; one ray's noise falls with the number of pixels averaged. With "
@@ -50,11 +53,12 @@ bool is_same(const Light& a, const Light& b) {
 
 class DenoisedRays final : public Technique {
   Number<int> rays{this, "rays", 1, {"ray", 1, 4}, Stage::setup, "Rays from a point to the light in every frame."};
-  Choice pattern = Choice(this, "pattern", "blue", {ray_pattern_names.begin(), ray_pattern_names.end()}, Stage::setup,
+  Choice pattern = Choice(this, "pattern", "blue",
+                          std::vector<std::string_view>(ray_pattern_names.begin(), ray_pattern_names.end()), Stage::setup,
                           "Where they go: a blue-noise mask over pixels, shifted from ray to ray and frame to frame; R2 "
                           "over rays and frames, shifted over pixels; scrambled Sobol; or anywhere.");
   Choice filter = Choice(this, "filter", "width", {"width", "svgf", "tiles", "none"}, Stage::resolve,
-                         "The mean over pixels: as wide as the blockers' distances make the penumbra; by variance; by three "
+                         "The mean over pixels: as wide as the casters' distances make the penumbra; by variance; by three "
                          "small passes where a tile is not all lit or all dark; none.");
   Choice division = Choice(this, "division", "sums", {"sums", "pixel"}, Stage::resolve,
                            "When the irradiance that arrives is divided by all of it: after the filter, or pixel by pixel "

@@ -85,7 +85,9 @@ void Denoiser::resize(std::size_t size, const Settings& settings) {
 void Denoiser::step(const FrameInput& in, const Settings& settings, GuidedFilter& filter, std::span<float> mask) {
   const std::size_t size = in.asked.size();
   resize(size, settings);
-  const bool holds = settings.memory == Memory::clamp || (settings.remembers() && settings.on_change == OnChange::clamp);
+  // Where a change may need it the first frame has it, too, so that none allocates later.
+  const bool may_hold = settings.remembers() && settings.on_change == OnChange::clamp;
+  const bool holds = settings.memory == Memory::clamp || (may_hold && (in.has_changed || tiles_.mean().size() != size));
   if (holds || settings.filter == Filter::tiles) tiles_.make(in.guides, in.seen, in.asked);
   blend_all(in, settings);
   if (settings.looks_at_values()) {

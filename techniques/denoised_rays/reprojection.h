@@ -21,8 +21,8 @@ struct Source {
 
 /// The pixels of a source with bilinear weights, which sum to 1 over those that are kept.
 struct SourceTaps {
-  std::array<std::size_t, 4> pixel;
-  std::array<float, 4> weight;
+  std::array<std::size_t, 4> pixel{};
+  std::array<float, 4> weight{};
   int count = 0;
 
   SourceTaps(const Source& source, int width);

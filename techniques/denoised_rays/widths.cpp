@@ -3,6 +3,7 @@
 #include <gnomon/kit/area/light_shape.h>
 #include <gnomon/kit/parallel.h>
 
+#include <array>
 #include <cmath>
 
 namespace gnomon::denoised_rays {
@@ -37,8 +38,8 @@ void Widths::make(const FilterGuides& guides, const GBuffer& gbuffer, const Ligh
   const float enough = enough_dark * static_cast<float>(rays_per_pixel);
   const auto take = [&](std::size_t i) {
     const LampSize lamp = lamp_size(shape, gbuffer.position(i));
-    const float blocker = rays.distance[i] / rays.dark[i];
-    const float meters = penumbra_width(static_cast<float>(lamp.radius), static_cast<float>(lamp.distance), blocker);
+    const float caster = rays.distance[i] / rays.dark[i];
+    const float meters = penumbra_width(static_cast<float>(lamp.radius), static_cast<float>(lamp.distance), caster);
     const int x = static_cast<int>(i % gbuffer.width), y = static_cast<int>(i / gbuffer.width);
     return sigma_of_width(meters / guides.footprint(x, y));
   };

@@ -5,7 +5,7 @@
 
 namespace gnomon::denoised_rays {
 
-/// How far each pixel is to be spread, by the width of the penumbra that the light and the mean distance of blockers around it
+/// How far each pixel is to be spread, by the width of the penumbra that the light and the mean distance of casters around it
 /// make (Mehta et al. 2012).
 class Widths {
  public:
