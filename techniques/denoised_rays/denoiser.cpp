@@ -15,6 +15,15 @@ constexpr int tile_levels = 3;
 /// Frames below which a clamped history counts as young.
 constexpr float young = 8;
 
+/// Whether the variance is that of the tiles' memory, which has a rule of its own for short histories.
+bool has_own_variance(const Settings& settings) { return settings.filter == Filter::tiles && settings.memory == Memory::clamp; }
+
+/// What a mean over frames leaves of the variance of one. Filters look at the mean: by the variance of single frames, as SVGF
+/// has it, they would go on blurring where the noise is gone.
+float left_of_noise(const Settings& settings, float length) {
+  return std::max(settings.alpha / (2 - settings.alpha), 1 / std::max(length, 1.0f));
+}
+
 /// Spreads planes over pixels. `keep` is called when they are as the next frame has them for a history: before the filter, or
 /// where its weights look at values after its first level, so that the next frame looks at calmer ones.
 template <class Keep>
@@ -91,11 +100,10 @@ void Denoiser::step(const FrameInput& in, const Settings& settings, GuidedFilter
   if (holds || settings.filter == Filter::tiles) tiles_.make(in.guides, in.seen, in.asked);
   blend_all(in, settings);
   if (settings.looks_at_values()) {
-    // The tiles' memory has a rule of its own for short histories.
-    const bool has_own = settings.filter == Filter::tiles && settings.memory == Memory::clamp;
     const std::span<const float> lengths =
         settings.remembers() ? std::span<const float>(next_.length) : std::span<const float>();
-    if (!has_own) spread_variance(in.guides, blended_seen_, blended_asked_, variance_, lengths, short_history);
+    if (!has_own_variance(settings))
+      spread_variance(in.guides, blended_seen_, blended_asked_, variance_, lengths, short_history);
     copy(variance_, variance_left_);
   }
   copy(blended_asked_, asked_);
@@ -165,7 +173,7 @@ void Denoiser::blend(const FrameInput& in, const Settings& settings, std::size_t
   }
   blends_[i] = blend;
   next_.length[i] = length;
-  if (!variance_.empty()) variance_[i] = variance;
+  if (!variance_.empty()) variance_[i] = has_own_variance(settings) ? variance : variance * left_of_noise(settings, length);
   blended_asked_[i] = blend.of(in.asked[i], asked);
   blended_seen_[i] = blend.of(in.seen[i], blend.held(seen, asked));
 }

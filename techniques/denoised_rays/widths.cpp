@@ -39,7 +39,7 @@ void Widths::make(const FilterGuides& guides, const GBuffer& gbuffer, const Ligh
   const auto take = [&](std::size_t i) {
     const LampSize lamp = lamp_size(shape, gbuffer.position(i));
     const float caster = rays.distance[i] / rays.dark[i];
-    const float meters = penumbra_width(static_cast<float>(lamp.radius), static_cast<float>(lamp.distance), caster);
+    const float meters = penumbra_width(static_cast<float>(lamp.half_width), static_cast<float>(lamp.distance), caster);
     const int x = static_cast<int>(i % gbuffer.width), y = static_cast<int>(i / gbuffer.width);
     return sigma_of_width(meters / guides.footprint(x, y));
   };

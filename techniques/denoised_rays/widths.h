@@ -24,10 +24,10 @@ class Widths {
 /// The width in pixels that leads to a sigma: the inverse of sigma_of_width.
 double width_of_sigma(double sigma);
 
-/// What the width of a penumbra depends on, of a light with area seen from a point: the distance of its center, and the radius
-/// of the disc across the way there that covers as much as the light does.
+/// What the width of a penumbra depends on, of a light with area seen from a point: the distance of its center, and half of its
+/// width across the way there, of a rectangle the mean of both directions (of equal area).
 struct LampSize {
-  double distance, radius;
+  double distance, half_width;
 };
 LampSize lamp_size(const Light& light, const glm::dvec3& point);
 
