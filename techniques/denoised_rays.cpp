@@ -106,8 +106,9 @@ class DenoisedRays final : public Technique {
     terms_.clear();
   }
   void resolve(const GBuffer& gbuffer, VisibilityMask& mask) override {
-    // Another scene: nothing of the one before has a place in it.
-    if (known_build_ != made_->build_count) forget();
+    // Another scene or other settings: nothing of the frames before has a place in it.
+    const Settings settings = settings_now();
+    if (known_build_ != made_->build_count || !(settings == settings_)) forget();
     known_build_ = made_->build_count;
     frame_ = has_resolved_ ? frame_ + 1 : 0;
     has_resolved_ = true;
@@ -115,7 +116,7 @@ class DenoisedRays final : public Technique {
     for (Denoiser* denoiser : {&denoiser_, &by_sums_}) denoiser->advance();
     twin_.advance();
     gbuffer_ = &gbuffer;
-    settings_ = settings_now();
+    settings_ = settings;
     look(gbuffer);
 
     const std::span<float> pixels = mask.pixels();
@@ -160,6 +161,7 @@ class DenoisedRays final : public Technique {
     return {.filter = static_cast<Filter>(filter.index()),
             .memory = static_cast<Memory>(memory.index()),
             .on_change = static_cast<OnChange>(on_change.index()),
+            .by_pixel = division.is("pixel"),
             .alpha = static_cast<float>(alpha.value()),
             .longest = static_cast<float>(longest.value())};
   }
@@ -167,11 +169,10 @@ class DenoisedRays final : public Technique {
   /// All that the filters start from: rays, guides, widths, sources.
   void look(const GBuffer& gbuffer);
   FrameInput input() const {
-    const bool is_by_pixel = division.is("pixel");
     return {.guides = guides_,
             .faces = rays_.faces,
-            .asked = is_by_pixel ? std::span<const float>(asked_once_) : std::span<const float>(rays_.asked),
-            .seen = is_by_pixel ? std::span<const float>(divided_) : std::span<const float>(rays_.seen),
+            .asked = settings_.by_pixel ? std::span<const float>(asked_once_) : std::span<const float>(rays_.asked),
+            .seen = settings_.by_pixel ? std::span<const float>(divided_) : std::span<const float>(rays_.seen),
             .sigma = widths_.sigma(),
             .sources = reprojection_.sources(),
             .source_width = reprojection_.source_width(),
@@ -208,16 +209,15 @@ void DenoisedRays::look(const GBuffer& gbuffer) {
   const std::size_t size = gbuffer.size();
   const bool is_by_width = settings_.filter == Filter::width;
   frame_rays().trace(is_by_width, rays_);
-  guides_.make(gbuffer, rays_.faces);
+  if (settings_.filter != Filter::none || settings_.remembers()) guides_.make(gbuffer, rays_.faces);
   if (is_by_width) widths_.make(guides_, gbuffer, light_, made_->places->ray_count(), filter_, rays_);
   has_changed_ = reprojection_.has_last() && (reprojection_.last_pose() != made_->pose.get() || !is_same(light_, last_light_));
   if (settings_.remembers())
     reprojection_.follow(made_->casters.scene(), made_->pose, gbuffer, guides_, rays_.faces, denoiser_.last_lengths(),
                          has_changed_ && settings_.on_change == OnChange::drop);
-  const bool is_by_pixel = division.is("pixel");
-  divided_.resize(is_by_pixel ? size : 0);
-  asked_once_.resize(is_by_pixel ? size : 0);
-  if (!is_by_pixel) return;
+  divided_.resize(settings_.by_pixel ? size : 0);
+  asked_once_.resize(settings_.by_pixel ? size : 0);
+  if (!settings_.by_pixel) return;
   for_blocks(size, 4096, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       asked_once_[i] = rays_.asked[i] > 0 ? 1.0f : 0.0f;
@@ -233,7 +233,7 @@ std::vector<ErrorTerm> DenoisedRays::error_terms(std::span<const float> exact) {
   FrameInput in = input();
   const Denoiser* denoiser = &denoiser_;
   std::vector<float> of_sums(mask_.begin(), mask_.end());
-  if (division.is("pixel")) {
+  if (settings_.by_pixel) {
     in.asked = rays_.asked;
     in.seen = rays_.seen;
     by_sums_.step(in, settings_, untimed_filter_, of_sums);

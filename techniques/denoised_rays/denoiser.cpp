@@ -50,7 +50,7 @@ void spread(const FrameInput& in, const Settings& settings, GuidedFilter& filter
   }
 }
 
-/// Work(begin, end) over blocks of pixels.
+/// work(i) for every pixel, on all threads.
 template <class Work>
 void for_pixels(std::size_t size, const Work& work) {
   for_blocks(size, 4096, [&](std::size_t begin, std::size_t end) {

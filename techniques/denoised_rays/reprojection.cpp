@@ -4,6 +4,7 @@
 #include <gnomon/kit/geometry/camera.h>
 #include <gnomon/kit/parallel.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace gnomon::denoised_rays {

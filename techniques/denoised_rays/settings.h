@@ -11,9 +11,11 @@ struct Settings {
   Filter filter = Filter::width;
   Memory memory = Memory::off;
   OnChange on_change = OnChange::clamp;
-  float alpha = 0.05f;  ///< part of the newest frame, where there are many
-  float longest = 64;   ///< frames that a history counts as at most
+  bool by_pixel = false;  ///< shares are divided before the filter, not after it
+  float alpha = 0.05f;    ///< part of the newest frame, where there are many
+  float longest = 64;     ///< frames that a history counts as at most
 
+  bool operator==(const Settings&) const = default;
   bool remembers() const { return memory != Memory::off; }
   /// Whether weights of the filter look at values, hence need their variance.
   bool looks_at_values() const { return filter == Filter::svgf || filter == Filter::tiles; }
