@@ -98,25 +98,23 @@ class DenoisedRays final : public Technique {
   }
   void relight(const Light& light) override { light_ = light; }
   void forget() override {
-    frame_ = 0;
-    has_resolved_ = false;
+    begins_ = true;
     reprojection_.forget();
     for (Denoiser* denoiser : {&denoiser_, &by_sums_}) denoiser->forget();
     twin_.forget();
-    terms_.clear();
   }
   void resolve(const GBuffer& gbuffer, VisibilityMask& mask) override {
     // Another scene or other settings: nothing of the frames before has a place in it.
-    const Settings settings = settings_now();
-    if (known_build_ != made_->build_count || !(settings == settings_)) forget();
+    const Settings now = settings_now();
+    if (known_build_ != made_->build_count || !(now == settings_)) forget();
     known_build_ = made_->build_count;
-    frame_ = has_resolved_ ? frame_ + 1 : 0;
-    has_resolved_ = true;
+    frame_ = begins_ ? 0 : frame_ + 1;
+    begins_ = false;
     terms_.clear();
     for (Denoiser* denoiser : {&denoiser_, &by_sums_}) denoiser->advance();
     twin_.advance();
     gbuffer_ = &gbuffer;
-    settings_ = settings;
+    settings_ = now;
     look(gbuffer);
 
     const std::span<float> pixels = mask.pixels();
@@ -187,8 +185,8 @@ class DenoisedRays final : public Technique {
   Light light_, last_light_;
   const GBuffer* gbuffer_ = nullptr;
   Settings settings_;
-  std::uint32_t frame_ = 0;  ///< of the last resolve, counted from the last forget
-  bool has_resolved_ = false, has_changed_ = false;
+  std::uint32_t frame_ = 0;                   ///< of the last resolve, counted from the last forget
+  bool begins_ = true, has_changed_ = false;  ///< begins: the next resolve is the first of a sequence
   std::uint64_t known_build_ = 0;
 
   RayPlanes rays_;
@@ -227,7 +225,7 @@ void DenoisedRays::look(const GBuffer& gbuffer) {
 }
 
 std::vector<ErrorTerm> DenoisedRays::error_terms(std::span<const float> exact) {
-  if (!has_resolved_) return {};
+  if (begins_) return {};
   // With memory, whoever did not see all frames cannot tell what is stale.
   if (settings_.remembers() && !twin_.has_seen(frame_)) return {};
   FrameInput in = input();
