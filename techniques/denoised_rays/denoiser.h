@@ -1,6 +1,8 @@
 #pragma once
 #include <gnomon/kit/denoise/tiles.h>
 
+#include <algorithm>
+
 #include "reprojection.h"
 #include "settings.h"
 

@@ -12,7 +12,7 @@ namespace {
 /// A picture of what `color(pixel)` says of the pixels that face the light.
 template <class Color>
 std::vector<float> paint(const GBuffer& gbuffer, std::span<const std::uint8_t> faces, const Color& color) {
-  constexpr glm::vec3 turned_away(0, 0, 0.15f);
+  const glm::vec3 turned_away(0, 0, 0.15f);
   std::vector<float> picture(3 * gbuffer.size());
   for (std::size_t i = 0; i < gbuffer.size(); ++i) {
     const glm::vec3 rgb = gbuffer.is_background(i) ? background_color() : faces[i] ? color(i) : turned_away;
@@ -53,7 +53,7 @@ std::vector<float> paint_gray(const GBuffer& gbuffer, std::span<const std::uint8
 }
 
 std::vector<float> paint_signed(const GBuffer& gbuffer, std::span<const std::uint8_t> faces, std::span<const float> values) {
-  constexpr glm::vec3 nothing(0.2f), light(1, 0.5f, 0.05f), dark(0.1f, 0.4f, 1);
+  const glm::vec3 nothing(0.2f), light(1, 0.5f, 0.05f), dark(0.1f, 0.4f, 1);
   return paint(gbuffer, faces, [&](std::size_t i) {
     const float value = values.empty() ? 0 : std::clamp(values[i], -1.0f, 1.0f);
     // By the root: most terms are small.
