@@ -1,0 +1,103 @@
+#pragma once
+#include <gnomon/kit/area/area_scene.h>
+#include <gnomon/kit/geometry/exact_scene.h>
+#include <gnomon/technique.h>
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "fields.h"
+#include "ways.h"
+
+namespace gnomon::distance_field {
+
+inline constexpr OwnCause causes[] = {
+    {"field_resolution", "A finer field of the same casters would answer right.", {32, 144, 255}},
+    {"contact_gap",
+     "A caster within a voxel of the point counts only where the way to the light comes nearer to it again.",
+     {248, 255, 0}},
+    {"near_light",
+     "The caster is so close to the light that distances do not tell it from what is behind the light.",
+     {240, 172, 240}},
+    {"nearest_caster", "Several casters hide parts of the light, and the nearest one alone counted.", {192, 72, 152}},
+    {"thin_caster",
+     "The way to the light's middle is blocked, but the way out of the caster is shorter than that to its outline.",
+     {0, 136, 92}},
+    {"one_edge", "What the caster hides of the light does not end in one straight line, as the formula has it.", {188, 88, 48}},
+};
+
+/// Fields of twice the resolution, whose samples are computed where they are asked.
+class DoubledFields {
+ public:
+  DoubledFields(const Fields& fields, const std::vector<MeshDistances>& meshes);
+  const BoxTree& tree() const { return fields_.tree(); }
+  double voxel(std::uint32_t caster) const { return frames_[caster].voxel; }
+  double largest_voxel() const { return fields_.largest_voxel() / 2; }
+  double distance(std::uint32_t caster, const glm::dvec3& p) const;
+
+ private:
+  const Fields& fields_;
+  const std::vector<MeshDistances>& meshes_;
+  std::vector<Frame> frames_;
+};
+
+/// Exact distances, with the steps and the thickness of open meshes of a field of eight times the resolution.
+class ExactDistances {
+ public:
+  ExactDistances(const Fields& fields, const std::vector<MeshDistances>& meshes) : fields_(fields), meshes_(meshes) {}
+  const BoxTree& tree() const { return fields_.tree(); }
+  double voxel(std::uint32_t caster) const { return fields_.voxel(caster) / 8; }
+  double largest_voxel() const { return fields_.largest_voxel() / 8; }
+  double distance(std::uint32_t caster, const glm::dvec3& p) const;
+
+ private:
+  const Fields& fields_;
+  const std::vector<MeshDistances>& meshes_;
+};
+
+/// What is true of pixels, and which step of the technique answers otherwise. Not for many threads.
+class Judge {
+ public:
+  Judge(const Fields& fields, const Light& light);
+
+  /// A pixel that faces the light.
+  struct Question {
+    const GBuffer& gbuffer;
+    std::size_t pixel;
+    const Way& way;
+    Formula formula;
+    double answer;  ///< of the mask
+  };
+  /// Whether the formula is to blame: another one is set, and that of the disc would leave less than half of the error.
+  bool is_of_formula(const Question& question) const;
+  /// The id of the cause that holds; empty where the technique cannot tell.
+  std::string_view cause(const Question& question) const;
+
+ private:
+  /// One caster as a scene of its own, or all of the scene, behind the exact witness for the light.
+  struct Witness {
+    std::unique_ptr<Scene> alone;  ///< null: the whole scene
+    std::optional<AreaScene> area;
+    std::optional<ExactScene> hard;
+    void prepare(const Scene& scene, bool has_area);
+  };
+  double seen(const Witness& witness, const Question& question, const Receiver& receiver) const;
+  double truth(const Question& question) const;
+  /// What a caster alone hides of the light.
+  double hidden(const Question& question, std::uint32_t caster) const;
+  template <class Casters>
+  double answer(const Trace<Casters>& trace, const Question& question) const;
+  std::string_view cause_of_lit(const Question& question, double truth, const Trace<ExactDistances>& trace) const;
+
+  const Fields& fields_;
+  const Light& light_;
+  std::vector<MeshDistances> meshes_;
+  DoubledFields doubled_;
+  ExactDistances exact_;
+  Witness whole_;
+  std::vector<Witness> alone_;  ///< of each caster
+  mutable LightPieces pieces_;
+};
+
+}  // namespace gnomon::distance_field

@@ -1,0 +1,87 @@
+#pragma once
+#include <gnomon/kit/bytes.h>
+#include <gnomon/scene.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "half.h"
+#include "mesh_distances.h"
+
+namespace gnomon::distance_field {
+
+/// Where the samples of a mesh's field are: at the corners of cubic voxels, which fill the mesh's box and `margin` more on
+/// each side.
+struct Frame {
+  static constexpr int margin = 1;
+
+  glm::dvec3 low{0};       ///< the first sample
+  double voxel = 0;        ///< side, meters; 0: the mesh has no extent and no field
+  glm::ivec3 cells{0};     ///< voxels along x, y and z
+  bool is_closed = false;  ///< distances within the mesh are negative
+
+  Frame() = default;
+  /// `resolution` voxels are along the longest side of the mesh's box. Whether the mesh is closed is left open.
+  Frame(const Mesh& mesh, int resolution);
+
+  bool empty() const { return !(voxel > 0); }
+  std::size_t sample_count() const {
+    return empty() ? 0 : (cells.x + std::size_t{1}) * (cells.y + std::size_t{1}) * (cells.z + std::size_t{1});
+  }
+  std::size_t index(const glm::ivec3& sample) const {
+    return (sample.z * (cells.y + std::size_t{1}) + sample.y) * (cells.x + std::size_t{1}) + sample.x;
+  }
+  glm::dvec3 place(const glm::ivec3& sample) const { return low + voxel * glm::dvec3(sample); }
+  /// Around all samples, rounded outward.
+  Bounds bounds() const;
+
+  /// What a sample holds, in voxels, of the distance to the nearest triangle in meters. An open mesh has no inside: its
+  /// triangles are taken for plates one voxel thick.
+  float held(double distance, bool is_inside) const {
+    const double voxels = distance / voxel;
+    return static_cast<float>(!is_closed ? voxels - 0.5 : is_inside ? -voxels : voxels);
+  }
+
+  /// The field at a point, meters, by at(sample) in voxels: trilinear between the eight samples around it. Outside of the frame
+  /// a bound from below. With q the nearest point of the frame, all triangles are on its other side, so they are at least
+  /// sqrt(|p - q|^2 + d(q)^2) away from p.
+  template <class SampleAt>
+  double distance(const glm::dvec3& p, const SampleAt& at) const {
+    const glm::dvec3 place = (p - low) / voxel, inside = glm::clamp(place, glm::dvec3(0), glm::dvec3(cells));
+    const glm::ivec3 cell = glm::min(glm::ivec3(inside), cells - 1);
+    const glm::dvec3 share = inside - glm::dvec3(cell), off = place - inside;
+    const auto along_x = [&](int y, int z) {
+      const double here = at(cell + glm::ivec3(0, y, z)), next = at(cell + glm::ivec3(1, y, z));
+      return here + share.x * (next - here);
+    };
+    const auto along_y = [&](int z) {
+      const double here = along_x(0, z), next = along_x(1, z);
+      return here + share.y * (next - here);
+    };
+    const double here = along_y(0), value = here + share.z * (along_y(1) - here), square = glm::dot(off, off);
+    if (!(square > 0)) return voxel * value;
+    const double beside = std::max(value, 0.0);
+    return voxel * std::sqrt(square + beside * beside);
+  }
+};
+
+/// Signed distances to one mesh on a grid of half floats.
+class Field {
+ public:
+  Field() = default;
+  /// On all threads; the samples depend on mesh and resolution alone.
+  Field(const Mesh& mesh, int resolution);
+
+  const Frame& frame() const { return frame_; }
+  double distance(const glm::dvec3& p) const {
+    return frame_.distance(p, [&](const glm::ivec3& sample) { return from_half(samples_[frame_.index(sample)]); });
+  }
+  std::size_t bytes() const { return bytes_of(samples_); }
+
+ private:
+  Frame frame_;
+  std::vector<std::uint16_t> samples_;  ///< row by row, slice by slice
+};
+
+}  // namespace gnomon::distance_field
