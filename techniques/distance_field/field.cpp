@@ -42,7 +42,7 @@ Frame::Frame(const Mesh& mesh, int resolution) {
   voxel = longest / resolution;
   for (int k = 0; k < 3; ++k) {
     const int inner = size[k] == longest ? resolution : static_cast<int>(std::ceil(size[k] / longest * resolution));
-    cells[k] = std::max(inner, 1) + 2 * margin;
+    cells[k] = (inner == 1 ? 2 : inner) + 2 * margin;
   }
   low = (least + most) / 2.0 - voxel / 2 * glm::dvec3(cells);
 }

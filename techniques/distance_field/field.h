@@ -15,6 +15,7 @@ namespace gnomon::distance_field {
 /// each side.
 struct Frame {
   static constexpr int margin = 1;
+  static constexpr double half_plate = 0.5;  ///< voxels, of an open mesh
 
   glm::dvec3 low{0};       ///< the first sample
   double voxel = 0;        ///< side, meters; 0: the mesh has no extent and no field
@@ -22,7 +23,8 @@ struct Frame {
   bool is_closed = false;  ///< distances within the mesh are negative
 
   Frame() = default;
-  /// `resolution` voxels are along the longest side of the mesh's box. Whether the mesh is closed is left open.
+  /// `resolution` voxels are along the longest side of the mesh's box. Where the box is thinner than a voxel, samples lie in
+  /// its middle: between two layers of samples a sheet would be lost. Whether the mesh is closed is left open.
   Frame(const Mesh& mesh, int resolution);
 
   bool empty() const { return !(voxel > 0); }
@@ -40,12 +42,13 @@ struct Frame {
   /// triangles are taken for plates one voxel thick.
   float held(double distance, bool is_inside) const {
     const double voxels = distance / voxel;
-    return static_cast<float>(!is_closed ? voxels - 0.5 : is_inside ? -voxels : voxels);
+    return static_cast<float>(!is_closed ? voxels - half_plate : is_inside ? -voxels : voxels);
   }
 
   /// The field at a point, meters, by at(sample) in voxels: trilinear between the eight samples around it. Outside of the frame
-  /// a bound from below. With q the nearest point of the frame, all triangles are on its other side, so they are at least
-  /// sqrt(|p - q|^2 + d(q)^2) away from p.
+  /// a bound from below. Let q be the nearest point of the frame to p. A triangle's point x is on the other side of q, by
+  /// `margin` at least along each axis, so with o = |p - q| per axis
+  /// |p - x|^2 >= |o|^2 + 2 margin (o.x + o.y + o.z) + d(q)^2, and equal where x is straight below.
   template <class SampleAt>
   double distance(const glm::dvec3& p, const SampleAt& at) const {
     const glm::dvec3 place = (p - low) / voxel, inside = glm::clamp(place, glm::dvec3(0), glm::dvec3(cells));
@@ -61,8 +64,9 @@ struct Frame {
     };
     const double here = along_y(0), value = here + share.z * (along_y(1) - here), square = glm::dot(off, off);
     if (!(square > 0)) return voxel * value;
-    const double beside = std::max(value, 0.0);
-    return voxel * std::sqrt(square + beside * beside);
+    const double plate = is_closed ? 0 : half_plate, beside = std::max(value + plate, 0.0);
+    const double before = std::abs(off.x) + std::abs(off.y) + std::abs(off.z);
+    return voxel * (std::sqrt(square + 2 * margin * before + beside * beside) - plate);
   }
 };
 

@@ -86,7 +86,7 @@ class Trace {
       const std::uint32_t caster = casters_.tree().order()[place];
       if (held_count_ == held_.size() || caster == way_.own) return false;
       const double distance = casters_.distance(caster, way_.start);
-      if (distance < casters_.voxel(caster)) hold(caster, distance);
+      if (std::abs(distance) < casters_.voxel(caster)) hold(caster, distance);
       return false;
     });
   }
@@ -111,30 +111,40 @@ class Trace {
     return found;
   }
 
-  void note(double distance, double along) {
-    if (along > way_.cone_end && distance > 0) return;
+  /// A distance at a place of the way in radii of the cone there, -1 .. 1.
+  double radii_at(double distance, double along) const {
+    if (along > way_.cone_end && distance > 0) return 1;
     const double radius = along * way_.widening;
-    const double s = radius > 0 ? std::clamp(distance / radius, -1.0, 1.0) : distance > 0 ? 1 : -1;
-    least_ = std::min(least_, s);
+    return radius > 0 ? std::clamp(distance / radius, -1.0, 1.0) : distance > 0 ? 1 : -1;
+  }
+  Found look_at(double along) {
+    const Found found = look(way_.start + along * way_.direction);
+    ++steps_;
+    least_ = std::min(least_, radii_at(found.counted, along));
+    return found;
   }
 
   void run() {
     hold_near();
     double before = 0;  // the distance at the last step, where the step was as long
-    for (double t = 0; t < way_.length;) {
-      const Found found = look(way_.start + t * way_.direction);
-      ++steps_;
-      note(found.counted, t);
-      // Elsewhere the circles meet before the last step, if at all.
+    for (double t = 0; t < way_.length && least_ > -1;) {
+      const Found found = look_at(t);
+      // Between both steps the way may have come nearer. Elsewhere the circles meet before the last step, if at all. Along a
+      // plane nothing is where they meet: the distance there is asked, not computed.
       if (before > 0 && found.counted > 0 && found.counted * found.counted < 2 * before * before) {
         const Approach nearest = closest_approach(before, found.counted, t);
-        note(nearest.distance, nearest.along);
+        if (radii_at(nearest.distance, nearest.along) < least_) look_at(nearest.along);
       }
-      if (least_ <= -1) return;
       // The share of t is what double tells apart; it counts where a caster is smaller than that.
       const double step = std::max({found.step, least_step * found.voxel, t * 0x1p-40});
       before = found.counted == step && step < INFINITY ? step : 0;
-      t += step;
+      // Past the end of the cone distances say nothing: the last one is that at its end.
+      if (t < way_.cone_end && t + step > way_.cone_end && way_.cone_end < way_.length) {
+        t = way_.cone_end;
+        before = 0;
+      } else {
+        t += step;
+      }
     }
   }
 

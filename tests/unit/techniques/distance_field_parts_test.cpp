@@ -164,16 +164,23 @@ TEST(DistanceFieldParts, bodies_that_overlap_are_solid_where_they_do) {
 }
 
 TEST(DistanceFieldParts, an_open_mesh_is_a_plate_one_voxel_thick) {
-  const Field field(small_world::ground(8), 16);  // voxels of a meter, samples at heights -1.5, -0.5, 0.5, 1.5
+  const Field field(small_world::ground(8), 16);  // voxels of a meter, samples at heights -1, 0 and 1
   EXPECT_FALSE(field.frame().is_closed);
   EXPECT_EQ(field.frame().voxel, 1);
-  EXPECT_EQ(field.frame().sample_count(), 19u * 4 * 19);
+  EXPECT_EQ(field.frame().sample_count(), 19u * 3 * 19);
+  EXPECT_NEAR(field.distance({0.3, 0, 0.4}), -0.5, 1e-3);
+  EXPECT_NEAR(field.distance({0.3, 0.5, 0.4}), 0, 1e-3);
   EXPECT_NEAR(field.distance({0.3, 1.5, 0.4}), 1, 1e-3);
-  // Between the samples the kink of the distance is cut off: 0 where it is -0.5.
-  EXPECT_NEAR(field.distance({0.3, 0, 0.4}), 0, 1e-3);
+  EXPECT_NEAR(field.distance({0.3, -7, 0.4}), 6.5, 1e-3);
 }
 
-// Of a body all is on one side of the frame's border, seen from outside.
+// The middle of the box is a layer of samples, which lie within.
+TEST(DistanceFieldParts, a_body_thinner_than_a_voxel_is_held_where_it_is_alone) {
+  const Field field(small_world::box({-8, -0.125f, -8}, {8, 0.125f, 8}), 16);
+  EXPECT_NEAR(field.distance({0.3, 0, 0.4}), -0.125, 1e-3);
+  EXPECT_GT(field.distance({0.3, 0.25, 0.4}), 0);
+}
+
 TEST(DistanceFieldParts, outside_of_its_frame_a_field_is_below_the_distance) {
   const Mesh body = tessellate(Sphere{{0, 0, 0}, 1}, 32, "sphere");
   const Field field(body, 64);
@@ -204,7 +211,7 @@ TEST(DistanceFieldParts, a_right_edge_moves_in_by_less_than_half_a_voxel) {
   for (int a = 0; a < phases; ++a)
     for (int b = 0; b < phases; ++b) {
       const glm::vec3 edge(8 + static_cast<float>(a) / phases, 4 + static_cast<float>(b) / phases, 4);
-      const Field field(in_meters(small_world::box({4, 2, 0}, edge)), 16);
+      const Field field(in_meters(small_world::box({3, 0, 0}, edge)), 16);
       double low = -1.5, high = 1;
       for (int k = 0; k < 40; ++k) {
         const double middle = (low + high) / 2, step = middle * std::numbers::sqrt2 / 2;
@@ -220,7 +227,7 @@ TEST(DistanceFieldParts, a_right_edge_moves_in_by_less_than_half_a_voxel) {
 // It is held where a sample lies within: at a share t of all positions.
 TEST(DistanceFieldParts, a_plate_thinner_than_a_voxel_is_lost_at_the_share_that_it_lacks) {
   for (const float thickness : {0.25f, 0.5f, 0.75f}) {
-    constexpr int count = 200;
+    constexpr int count = 199;
     int lost = 0;
     for (int k = 0; k < count; ++k) {
       const float x = 5 + 4 * (static_cast<float>(k) + 0.5f) / count;
@@ -229,7 +236,7 @@ TEST(DistanceFieldParts, a_plate_thinner_than_a_voxel_is_lost_at_the_share_that_
       for (double at = 4; at <= 11; at += 0.125) least = std::min(least, field.distance({at, 2, 2}));
       lost += least > 0;
     }
-    EXPECT_NEAR(static_cast<double>(lost) / count, 1 - thickness, 0.015) << thickness;
+    EXPECT_NEAR(static_cast<double>(lost) / count, 1 - thickness, 0.02) << thickness;
   }
 }
 
