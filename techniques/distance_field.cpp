@@ -22,12 +22,12 @@ constexpr About about{
         "comes to a caster beside the width of the light's cone there tells the share that is seen.",
     .source = "Hart 1996 (sphere tracing); the share of a disc past a straight line is closed form.",
     .error =
-        "Edges as of the grid: interpolated distances move a right edge of a body in by up to 0.42 voxel along its bisector, and a "
-        "plate of thickness t below a voxel is lost at a share 1 - t of its positions. Under a light with area exact for one thick caster with a "
-        "straight edge across the way, before a disc. A rectangle counts as the disc of its area. formula=smoothstep is off by "
-        "up to 0.039 more, and formula=ratio by 0.25 in the mean of the penumbra: it has no inner half. Casters within a voxel "
-        "of the point count only where the way comes nearer to them again. It estimates the share of the light's area, and "
-        "sees triangles.",
+        "Edges as of the grid: interpolated distances move a right edge of a body in by up to 0.42 voxel along its bisector, "
+        "and a plate of thickness t below a voxel is lost at a share 1 - t of its positions. Under a light with area exact for "
+        "one thick caster with a straight edge across the way, before a disc. A rectangle counts as the disc of its area. "
+        "formula=smoothstep is off by up to 0.039 more, and formula=ratio by 0.25 in the mean of the penumbra: it has no inner "
+        "half. Casters within a voxel of the point count only where the way comes nearer to them again. It estimates the share "
+        "of the light's area, and sees triangles.",
     .fails =
         "Fences, leaves and open sheets: thinner than a voxel, and under a light with area without an umbra, because the way "
         "out of a thin caster is short. Casters beside one another before a light, of which the nearest counts alone; small "
@@ -36,16 +36,11 @@ constexpr About about{
     .named_only = true};
 
 class DistanceField final : public Technique {
-  Number<int> resolution{this,         "resolution",
-                         64,           {.unit = "voxel", .min = 16, .max = 128, .log = true},
-                         Stage::build, "Voxels along the longest side of a caster's box."};
-  Choice formula{this,
-                 "formula",
-                 "disc",
-                 {"disc", "smoothstep", "ratio"},
-                 Stage::resolve,
-                 "Share of a light with area from distance by width: what a straight line leaves of a disc; a cubic for it; "
-                 "the ratio itself, without the inner half of the penumbra."};
+  Number<int> resolution = Number<int>(this, "resolution", 64, {.unit = "voxel", .min = 16, .max = 128, .log = true},
+                                       Stage::build, "Voxels along the longest side of a caster's box.");
+  Choice formula = Choice(this, "formula", "disc", {"disc", "smoothstep", "ratio"}, Stage::resolve,
+                          "Share of a light with area from distance by width: what a straight line leaves of a disc; a cubic "
+                          "for it; the ratio itself, without the inner half of the penumbra.");
 
  public:
   Support supports(const Scene& scene, const Light& light, const View&) const override {

@@ -99,11 +99,12 @@ bool Judge::is_of_formula(const Question& question) const {
 
 std::string_view Judge::cause(const Question& question) const {
   const double is = truth(question);
-  if (is_better(answer(Trace(doubled_, question.way), question), question.answer, is)) return causes[0].id;
+  if (question.answer == is) return "";
+  if (is_better(answer(Trace(doubled_, question.way), question), question.answer, is)) return id_of(Own::field_resolution);
   const Trace exact(exact_, question.way);
-  if (is_better(answer(exact, question), question.answer, is)) return causes[0].id;
+  if (is_better(answer(exact, question), question.answer, is)) return id_of(Own::field_resolution);
   if (question.answer > is) return cause_of_lit(question, is, exact);
-  return has_area(light_) ? causes[5].id : "";
+  return has_area(light_) ? id_of(Own::one_edge) : "";
 }
 
 // False lit, by exact distances, too.
@@ -112,16 +113,16 @@ std::string_view Judge::cause_of_lit(const Question& question, double truth, con
   double held_back = 0;
   for (const Held& held : trace.held())
     if (!held.counts) held_back += hidden(question, held.caster);
-  if (held_back >= half) return causes[1].id;
+  if (held_back >= half) return id_of(Own::contact_gap);
   if (!has_area(light_)) return "";
   Way to_light = question.way;
   to_light.cone_end = to_light.length;
-  if (is_better(answer(Trace(exact_, to_light), question), question.answer, truth)) return causes[2].id;
+  if (is_better(answer(Trace(exact_, to_light), question), question.answer, truth)) return id_of(Own::near_light);
   // What the caster that hides most leaves, the others make darker by so much.
   double most = 0;
   for (std::uint32_t k = 0; k < fields_.count(); ++k) most = std::max(most, hidden(question, k));
-  if (1 - most - truth >= half) return causes[3].id;
-  return causes[trace.least() <= 0 ? 4 : 5].id;
+  if (1 - most - truth >= half) return id_of(Own::nearest_caster);
+  return id_of(trace.least() <= 0 ? Own::thin_caster : Own::one_edge);
 }
 
 }  // namespace gnomon::distance_field

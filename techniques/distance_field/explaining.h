@@ -27,6 +27,11 @@ inline constexpr OwnCause causes[] = {
     {"one_edge", "What the caster hides of the light does not end in one straight line, as the formula has it.", {188, 88, 48}},
 };
 
+/// Their places in that order.
+enum class Own : std::uint8_t { field_resolution, contact_gap, near_light, nearest_caster, thin_caster, one_edge };
+constexpr std::string_view id_of(Own own) { return causes[static_cast<std::size_t>(own)].id; }
+static_assert(id_of(Own::one_edge) == "one_edge");
+
 /// Fields of twice the resolution, whose samples are computed where they are asked.
 class DoubledFields {
  public:
@@ -71,7 +76,7 @@ class Judge {
   };
   /// Whether the formula is to blame: another one is set, and that of the disc would leave less than half of the error.
   bool is_of_formula(const Question& question) const;
-  /// The id of the cause that holds; empty where the technique cannot tell.
+  /// The id of the cause that holds; empty where the answer is right, and where the technique cannot tell.
   std::string_view cause(const Question& question) const;
 
  private:
