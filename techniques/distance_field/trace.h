@@ -28,7 +28,7 @@ struct Held {
 };
 
 /// Sphere tracing through the least of all distances. Steps are as long as that distance, within casters as long as the way out
-/// of them, and at least a quarter of the voxel of the nearest caster.
+/// of them, and for each caster at least a quarter of its voxel.
 ///
 /// A surface darkens itself if its own field is asked where the way starts: rounded and interpolated distances are as often
 /// negative as positive there, and the cone is narrower than any distance. So the start is not moved. Casters within a voxel of
@@ -56,13 +56,10 @@ class Trace {
   /// Distances at one point.
   struct Found {
     double counted = INFINITY;  ///< least of the casters that count, signed
-    double step = INFINITY;     ///< least magnitude of all
-    double voxel = 0;           ///< of the caster that this is of
-    void take(double distance, double side, bool counts) {
+    double step = INFINITY;     ///< least magnitude of all, but for each a part of its voxel
+    void take(double distance, double voxel, bool counts) {
       if (counts) counted = std::min(counted, distance);
-      if (std::abs(distance) >= step) return;
-      step = std::abs(distance);
-      voxel = side;
+      step = std::min(step, std::max(std::abs(distance), least_step * voxel));
     }
   };
 
@@ -136,7 +133,7 @@ class Trace {
         if (radii_at(nearest.distance, nearest.along) < least_) look_at(nearest.along);
       }
       // The share of t is what double tells apart; it counts where a caster is smaller than that.
-      const double step = std::max({found.step, least_step * found.voxel, t * 0x1p-40});
+      const double step = std::max(found.step, t * 0x1p-40);
       before = found.counted == step && step < INFINITY ? step : 0;
       // Past the end of the cone distances say nothing: the last one is that at its end.
       if (t < way_.cone_end && t + step > way_.cone_end && way_.cone_end < way_.length) {
