@@ -1,6 +1,7 @@
 // Denoised rays: 1 to 4 shadow rays from every visible point, a filter over pixels and a memory over frames.
 #include <gnomon/kit/bytes.h>
 #include <gnomon/kit/parallel.h>
+#include <gnomon/kit/pictures/layers.h>
 #include <gnomon/kit/rays/ray_casters.h>
 #include <gnomon/registry.h>
 

@@ -107,7 +107,7 @@ std::string text_of(const Metrics& metrics, const std::map<std::string, double>&
                    std::string(sentence)});
   };
   for (const MetricInfo& info : metric_infos())
-    if (info.of != MetricInfo::Of::row)
+    if (info.value)
       add(std::string(info.name), metrics.at(std::string(info.name)), info.unit, info.sentence);
   for (const CauseInfo& info : cause_infos())
     if (const auto found = causes.find(std::string(info.name)); found != causes.end())
@@ -118,7 +118,7 @@ std::string text_of(const Metrics& metrics, const std::map<std::string, double>&
 Json json_of(const Metrics& metrics) {
   Json values = Json::object();
   for (const MetricInfo& info : metric_infos()) {
-    if (info.of == MetricInfo::Of::row) continue;
+    if (!info.value) continue;
     const std::string name(info.name);
     const std::optional<double> value = metrics.at(name);
     values[name] = value ? Json(*value) : Json(nullptr);

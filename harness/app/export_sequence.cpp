@@ -73,7 +73,7 @@ Suite sequence_suite(const ExportOptions& options) {
   if (options.path.empty() && (is_still || options.time.animation.empty()))
     throw Error(
         "--sequence needs a motion: --path names one of camera or light, such as {}, --animation one of a scene that moves",
-        slide_names[0]);
+        built_in_paths[0]);
   if (!options.path.empty() && !is_still && !options.time.animation.empty())
     throw Error("--path {} and --animation {} are two motions; a sequence follows one", options.path, options.time.animation);
   SuiteOptions row;

@@ -88,7 +88,8 @@ void Denoiser::resize(std::size_t size, const Settings& settings) {
   blends_.resize(settings.remembers() ? size : 0);
   next_.resize(settings.remembers() ? size : 0, settings.remembers() && settings.needs_moments());
   // From the first frame on, so that a frame's number does not show in what is held.
-  if (!settings.remembers() || last_.asked.empty()) last_.resize(next_.asked.size(), !next_.mean.empty());
+  if (!settings.remembers() || begins_) last_.resize(next_.asked.size(), !next_.mean.empty());
+  begins_ = false;
 }
 
 void Denoiser::step(const FrameInput& in, const Settings& settings, GuidedFilter& filter, std::span<float> mask) {

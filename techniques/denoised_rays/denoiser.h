@@ -46,7 +46,10 @@ struct Blend {
 class Denoiser {
  public:
   /// The next frame is the first.
-  void forget() { has_stepped_ = false; }
+  void forget() {
+    has_stepped_ = false;
+    begins_ = true;
+  }
   /// The frame of the last `step` becomes the one before. Nothing where there was none since.
   void advance();
   /// Writes the share of every pixel that counts into `mask` and leaves all others.
@@ -78,7 +81,7 @@ class Denoiser {
   void blend(const FrameInput& in, const Settings& settings, std::size_t pixel);
   void blend_all(const FrameInput& in, const Settings& settings);
 
-  bool has_stepped_ = false;
+  bool has_stepped_ = false, begins_ = true;
   History last_, next_;
   TileMap tiles_;
   UnsetVector<Blend> blends_;

@@ -27,7 +27,7 @@ Squares FrameRays::squares(const LightFigure& figure, std::size_t pixel) const {
     squares.x[ray] = place.x;
     squares.y[ray] = place.y;
   }
-  return places_on(figure, squares);
+  return places_on(figure, squares, places_.ray_count());
 }
 
 void FrameRays::trace(bool wants_distances, RayPlanes& planes) const {

@@ -3,6 +3,7 @@
 #include <gnomon/kit/area/light_shape.h>
 #include <gnomon/kit/parallel.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -29,9 +30,47 @@ LampSize lamp_size(const Light& light, const glm::dvec3& point) { return lamp_si
 
 double width_of_sigma(double sigma) { return 12 * std::pow(sigma / 1.8, 1.5); }
 
+void Widths::find_edges(const GBuffer& gbuffer, const RayPlanes& rays) {
+  // The taps of five levels reach 2 (1 + 2 + 4 + 8 + 16) = 62 pixels, within four tiles.
+  constexpr int side = 16, reach = 4;
+  constexpr std::uint8_t lit = 1, dark = 2;
+  const int width = gbuffer.width, height = gbuffer.height, columns = (width + side - 1) / side,
+            rows = (height + side - 1) / side;
+  const auto at = [&](int column, int row) { return static_cast<std::size_t>(row) * columns + column; };
+  found_.resize(static_cast<std::size_t>(columns) * rows);
+  found_beside_.resize(found_.size());
+  strength_.resize(gbuffer.size());
+  for_blocks(static_cast<std::size_t>(rows), 1, [&](std::size_t begin, std::size_t end) {
+    for (int row = static_cast<int>(begin); row < static_cast<int>(end); ++row) {
+      std::fill_n(&found_[at(0, row)], columns, std::uint8_t{0});
+      for (int y = row * side; y < std::min((row + 1) * side, height); ++y)
+        for (int x = 0; x < width; ++x) {
+          const std::size_t i = static_cast<std::size_t>(y) * width + x;
+          found_[at(x / side, row)] |= (rays.seen[i] > 0 ? lit : 0) | (rays.seen[i] < rays.asked[i] ? dark : 0);
+        }
+      for (int column = 0; column < columns; ++column) {
+        std::uint8_t all = 0;
+        for (int k = std::max(column - reach, 0); k <= std::min(column + reach, columns - 1); ++k) all |= found_[at(k, row)];
+        found_beside_[at(column, row)] = all;
+      }
+    }
+  });
+  for_blocks(static_cast<std::size_t>(rows), 1, [&](std::size_t begin, std::size_t end) {
+    for (int row = static_cast<int>(begin); row < static_cast<int>(end); ++row)
+      for (int column = 0; column < columns; ++column) {
+        std::uint8_t all = 0;
+        for (int k = std::max(row - reach, 0); k <= std::min(row + reach, rows - 1); ++k) all |= found_beside_[at(column, k)];
+        const int first = column * side, count = std::min(side, width - first);
+        for (int y = row * side; y < std::min((row + 1) * side, height); ++y)
+          std::fill_n(&strength_[static_cast<std::size_t>(y) * width + first], count, all == (lit | dark) ? 1.0f : 0.0f);
+      }
+  });
+}
+
 void Widths::make(const FilterGuides& guides, const GBuffer& gbuffer, const Light& light, int rays_per_pixel,
                   GuidedFilter& filter, RayPlanes& rays) {
   sigma_.resize(gbuffer.size());
+  find_edges(gbuffer, rays);
   const LightShape shape(light);
   const std::array<std::span<float>, 1> numerators{rays.distance};
   const FilterPlanes planes{.denominators = rays.dark, .numerators = numerators};
@@ -44,10 +83,10 @@ void Widths::make(const FilterGuides& guides, const GBuffer& gbuffer, const Ligh
     return sigma_of_width(meters / guides.footprint(x, y));
   };
   for_blocks(sigma_.size(), 4096, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) sigma_[i] = rays.faces[i] ? open : 0;
+    for (std::size_t i = begin; i < end; ++i) sigma_[i] = rays.faces[i] && strength_[i] > 0 ? open : 0;
   });
   for (int level = 0; level < most_filter_levels; ++level) {
-    filter.run(guides, atrous_rule, level, level + 1, planes);
+    filter.run(guides, atrous_rule, level, level + 1, planes, strength_);
     const bool is_last = level + 1 == most_filter_levels;
     for_blocks(sigma_.size(), 1024, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) {

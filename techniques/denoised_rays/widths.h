@@ -1,4 +1,5 @@
 #pragma once
+#include <gnomon/kit/bytes.h>
 #include <gnomon/kit/denoise/filters.h>
 
 #include "pixel_rays.h"
@@ -13,12 +14,17 @@ class Widths {
   /// neighborhood that has enough of them, so that a contact keeps its own width beside a wide penumbra.
   void make(const FilterGuides& guides, const GBuffer& gbuffer, const Light& light, int rays_per_pixel, GuidedFilter& filter,
             RayPlanes& rays);
-  /// Pixels, row-major; 0 where no dark ray is around.
+  /// Pixels, row-major; 0 where no dark ray is around, or none but dark ones.
   std::span<const float> sigma() const { return sigma_; }
-  std::size_t bytes() const { return sigma_.size() * sizeof(float); }
+  std::size_t bytes() const { return bytes_of(sigma_, strength_, found_, found_beside_); }
 
  private:
-  UnsetVector<float> sigma_;
+  /// In `strength_` 1 at pixels with both lit and dark rays within reach of the filters, elsewhere 0: what all rays around
+  /// agree on no width changes.
+  void find_edges(const GBuffer& gbuffer, const RayPlanes& rays);
+
+  UnsetVector<float> sigma_, strength_;
+  UnsetVector<std::uint8_t> found_, found_beside_;  ///< of each tile, see find_edges
 };
 
 /// The width in pixels that leads to a sigma: the inverse of sigma_of_width.

@@ -68,10 +68,10 @@ GNOMON_VECTORIZED void find_cells(const float* x, const float* y, std::uint32_t*
 
 }  // namespace
 
-Squares places_on(const LightFigure& figure, const Squares& squares) {
+Squares places_on(const LightFigure& figure, const Squares& squares, int count) {
   const LightFigure::Box& box = figure.box();
-  Squares result;
-  for (int k = 0; k < ray_lanes; ++k) {
+  Squares result{};
+  for (int k = 0; k < count; ++k) {
     glm::dvec2 place(2.0 * squares.x[k] - 1, 2.0 * squares.y[k] - 1);
     if (figure.is_disc()) {
       const bool is_flat = std::abs(place.x) > std::abs(place.y);

@@ -101,7 +101,7 @@ class Row {
   void keep_others(Metrics& metrics, Truth truth) const {
     metrics["radiosity_error"] = record_.metric(truth, "radiosity_error");
     for (const auto& [name, value] : record_.metrics[truth])
-      if (metric_is_of(name) == MetricInfo::Of::row) metrics[name] = value;
+      if (metric_is_of(name) == MetricInfo::Of::sequence) metrics[name] = value;
   }
 
   /// Puts the causes of the file into the row's lights, unless they belong to other frames: then none has any. Returns why the

@@ -129,12 +129,13 @@ class Scoring {
 
 /// One metric is one row. A value is nothing where it is not defined, and shown so.
 struct MetricInfo {
-  /// What has a value: a frame; a frame of a path together with the one before; all frames of a path (TimeScore).
-  enum class Of : std::uint8_t { frame, two_frames, row };
+  /// What has a value: a frame; a frame of a path together with the one before; all frames of a path (TimeScore); pictures in
+  /// the order in which a technique remembers them (MemoryScore).
+  enum class Of : std::uint8_t { frame, two_frames, row, sequence };
   std::string_view name, unit;
   std::string_view better;  ///< "lower", "higher" or ""
   std::string_view sentence;
-  std::optional<double> (*value)(const Scoring&);  ///< null where all frames have one value
+  std::optional<double> (*value)(const Scoring&);  ///< null where a frame has none
   Of of = Of::frame;
 };
 std::span<const MetricInfo> metric_infos();

@@ -57,13 +57,13 @@ std::optional<double> mean_value(const MetricInfo& info, const Scoring& scoring)
 Metrics measure_metrics(const Scoring& scoring) {
   Metrics metrics;
   for (const MetricInfo& info : metric_infos())
-    if (info.of != MetricInfo::Of::row) metrics[std::string(info.name)] = mean_value(info, scoring);
+    if (info.value) metrics[std::string(info.name)] = mean_value(info, scoring);
   return metrics;
 }
 
 std::optional<double> measure_metric(const Scoring& scoring, std::string_view name) {
   const auto info = std::ranges::find(metric_infos(), name, &MetricInfo::name);
-  assert(info != metric_infos().end() && info->of != MetricInfo::Of::row);
+  assert(info != metric_infos().end() && info->value);
   return mean_value(*info, scoring);
 }
 

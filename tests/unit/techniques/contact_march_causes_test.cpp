@@ -184,14 +184,15 @@ Judged judged(const std::string& id, const std::string& settings, FrameStore& fr
   return all;
 }
 
-// What a march is for: at its defaults, behind a map at its own, at most half of the pixels remain that the map's bias skips,
-// and at most a thousandth of the tested pixels is dark more.
+// What a march is for: behind a map of much bias at most half of the pixels remain that the bias skips, and at most a thousandth
+// of the tested pixels is dark more. Measured: 123 of 507 and 38 of 298 pixels, 0.03 % and 0.013 % more. At its defaults the
+// map has no such pixels here.
 TEST_F(ContactMarch, behind_a_map_it_halves_what_the_bias_skips_on_contact) {
   const Scene scene = conformance::generated_scene("contact");
   FrameStore frames = conformance::frames_of(scene);
   for (const Light& light : {scene.lights[0], scene.lights[1]}) {
-    const Judged map = judged("shadow_map", "", frames, scene, light),
-                 both = judged("contact_march", "partner=shadow_map", frames, scene, light);
+    const Judged map = judged("shadow_map", "depth_bias=2,slope_bias=4", frames, scene, light),
+                 both = judged("contact_march", "partner.depth_bias=2,partner.slope_bias=4", frames, scene, light);
     EXPECT_EQ(both.tested, map.tested);
     EXPECT_GT(map.causes.at("peter_panning"), 100u) << light.name;
     EXPECT_LE(2 * both.causes.at("peter_panning"), map.causes.at("peter_panning")) << light.name;

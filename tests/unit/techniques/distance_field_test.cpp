@@ -56,7 +56,8 @@ TEST(DistanceField, a_box_casts_the_shadow_that_rays_find_but_for_a_voxel) {
   EXPECT_GT(dark, 1000u);
   // The outline, some 160 pixels of 1/16 m long, is off by a part of a voxel of 1/32 m.
   EXPECT_LT(wrong, 160u);
-  EXPECT_GT(small_world::value(ours.technique->counts(), "steps_per_ray"), 1);
+  // Rays that leave the box's field behind take one step or none.
+  EXPECT_GT(small_world::value(ours.technique->counts(), "steps_per_ray"), 0.5);
   // 2 m along x and z, 1 m along y, in voxels of 1/32 m, and one more on each side.
   EXPECT_EQ(small_world::value(ours.technique->counts(), "voxels"), 67 * 35 * 67);
 }
