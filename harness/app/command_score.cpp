@@ -107,8 +107,7 @@ std::string text_of(const Metrics& metrics, const std::map<std::string, double>&
                    std::string(sentence)});
   };
   for (const MetricInfo& info : metric_infos())
-    if (info.value)
-      add(std::string(info.name), metrics.at(std::string(info.name)), info.unit, info.sentence);
+    if (info.value) add(std::string(info.name), metrics.at(std::string(info.name)), info.unit, info.sentence);
   for (const CauseInfo& info : cause_infos())
     if (const auto found = causes.find(std::string(info.name)); found != causes.end())
       add(fmt::format("cause.{}", info.name), found->second, "", info.sentence);

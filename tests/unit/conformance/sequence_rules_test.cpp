@@ -198,8 +198,7 @@ TEST(frames_before_decide, finds_what_comes_from_other_sequences) {
 
 TEST(still_frames_settle, finds_an_error_that_grows) {
   if (is_sanitized) GTEST_SKIP() << "the rule is not checked there";
-  expect_found(verdict_of<Fault::drifts>("still_frames_settle"),
-               "% in the last; at most 1.05 times as much may be");
+  expect_found(verdict_of<Fault::drifts>("still_frames_settle"), "% in the last; at most 1.05 times as much may be");
 }
 
 TEST(bytes_of_frames, finds_memory_that_grows) {

@@ -184,9 +184,9 @@ Judged judged(const std::string& id, const std::string& settings, FrameStore& fr
   return all;
 }
 
-// What a march is for: behind a map of much bias at most half of the pixels remain that the bias skips, and at most a thousandth
-// of the tested pixels is dark more. Measured: 123 of 507 and 38 of 298 pixels, 0.03 % and 0.013 % more. At its defaults the
-// map has no such pixels here.
+// What a march is for: behind a map of much bias at most half of the pixels remain that the bias skips, and at most a
+// thousandth of the tested pixels is dark more. Measured: 123 of 507 and 38 of 298 pixels, 0.03 % and 0.013 % more. At its
+// defaults the map has no such pixels here.
 TEST_F(ContactMarch, behind_a_map_it_halves_what_the_bias_skips_on_contact) {
   const Scene scene = conformance::generated_scene("contact");
   FrameStore frames = conformance::frames_of(scene);

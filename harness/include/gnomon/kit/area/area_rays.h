@@ -72,8 +72,8 @@ class FaceRays {
 };
 
 /// Squares whose places fill a figure, as the unit square fills itself: of a rectangle the places of its whole
-/// square, of a disc by the concentric map (Shirley and Chiu 1997). No rays go to those below the horizon. Those from `count` on
-/// are 0.
+/// square, of a disc by the concentric map (Shirley and Chiu 1997). No rays go to those below the horizon. Those from `count`
+/// on are 0.
 Squares places_on(const LightFigure& figure, const Squares& squares, int count = 16);
 
 /// Places of the unit square in an order that fills it evenly: the first two dimensions of Sobol's sequence (Sobol 1967), a
