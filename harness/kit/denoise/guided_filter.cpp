@@ -75,7 +75,7 @@ GNOMON_VECTORIZED void divide_sums(const float* sum, const float* whole, const f
                                    float* __restrict after) {
   for (int i = 0; i < count; ++i) {
     const float mean = sum[i] / (whole[i] > 0 ? whole[i] : 1);
-    after[i] = (changes[i] != 0) & (whole[i] > 0) ? mean : before[i];
+    after[i] = ((changes[i] != 0) & (whole[i] > 0)) ? mean : before[i];
   }
 }
 

@@ -10,6 +10,7 @@
 #include <set>
 
 #include "measure/frame/boundary.h"
+#include "measure/score/memory_score.h"
 #include "measure/score/over_time.h"
 #include "measure/score/score.h"
 
@@ -106,7 +107,7 @@ TEST(metrics, rows_have_unique_names_a_direction_and_a_sentence) {
     EXPECT_EQ(info.value == nullptr, info.of >= MetricInfo::Of::row) << info.name;
   }
   const Metrics of_a_frame = measure_metrics(Scoring(Evidence{}));
-  EXPECT_EQ(of_a_frame.size() + no_metrics_over_time().size(), names.size());
+  EXPECT_EQ(of_a_frame.size() + no_metrics_over_time().size() + MemoryScore().metrics().size(), names.size());
   for (const auto& [metric, value] : no_metrics_over_time()) EXPECT_FALSE(of_a_frame.contains(metric)) << metric;
 }
 
