@@ -8,6 +8,7 @@
 #include "measure/conformance/motion_world.h"
 #include "measure/conformance/rule.h"
 #include "measure/conformance/trial.h"
+#include "verdicts.h"
 
 namespace motion_rules_test {
 
@@ -88,17 +89,6 @@ Verdict verdict_of(float update_error = 0) {
   entry.about.update_error = update_error;
   entry.make = [] { return made<Technique, Following<fault>>("following"); };
   return judge(rule("update_equals_build"), entry);
-}
-
-std::string findings(const Verdict& verdict) {
-  std::string text;
-  for (const Finding& finding : verdict.findings) text += fmt::format("{} | {}\n", finding.what, place_text(finding));
-  return text;
-}
-
-void expect_found(const Verdict& verdict, std::string_view says) {
-  EXPECT_EQ(verdict.kind, Kind::fails);
-  EXPECT_NE(findings(verdict).find(says), std::string::npos) << says << "\n" << findings(verdict);
 }
 
 TEST(update_equals_build, holds_of_a_technique_that_builds_by_default_and_of_one_that_keeps_what_it_may) {

@@ -8,6 +8,7 @@
 #include "faulty.h"
 #include "measure/conformance/rule.h"
 #include "measure/scene/load.h"
+#include "verdicts.h"
 
 namespace rules_test {
 
@@ -19,13 +20,6 @@ using Kind = Verdict::Kind;
 
 /// How places name the size of pictures. Under a sanitizer they have half of it, and some rules check less.
 constexpr const char* size = is_sanitized ? "48 x 27" : "96 x 54";
-
-/// What was found, one line each, with the places.
-std::string findings(const Verdict& verdict) {
-  std::string text;
-  for (const Finding& finding : verdict.findings) text += fmt::format("{} | {}\n", finding.what, place_text(finding));
-  return text;
-}
 
 /// The rule fails, and says so.
 void expect_found(std::string_view name, const TechniqueEntry& entry, std::string_view says, std::string_view where) {

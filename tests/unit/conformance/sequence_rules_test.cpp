@@ -7,6 +7,7 @@
 
 #include "faulty.h"
 #include "measure/conformance/rule.h"
+#include "verdicts.h"
 
 namespace sequence_rules_test {
 
@@ -139,17 +140,6 @@ Verdict verdict_of(std::string_view name, bool remembers = true) {
   entry.about.remembers = remembers;
   entry.make = [] { return made<Technique, Remembering<fault>>("remembering"); };
   return judge(rule(name), entry);
-}
-
-std::string findings(const Verdict& verdict) {
-  std::string text;
-  for (const Finding& finding : verdict.findings) text += fmt::format("{} | {}\n", finding.what, place_text(finding));
-  return text;
-}
-
-void expect_found(const Verdict& verdict, std::string_view says) {
-  EXPECT_EQ(verdict.kind, Kind::fails);
-  EXPECT_NE(findings(verdict).find(says), std::string::npos) << says << "\n" << findings(verdict);
 }
 
 TEST(sequence_rules, hold_of_a_technique_that_remembers_as_it_may) {
