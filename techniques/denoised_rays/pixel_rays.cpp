@@ -12,7 +12,7 @@ std::size_t RayPlanes::bytes() const { return bytes_of(asked, seen, distance, da
 
 std::optional<LightFigure> FrameRays::figure(std::size_t pixel) const {
   if (gbuffer_.is_background(pixel) || !casters_.scene().meshes[gbuffer_.mesh[pixel]].receives) return std::nullopt;
-  const LightFigure figure(light_, gbuffer_.position(pixel), gbuffer_.normal(pixel));
+  const LightFigure figure(shape_, gbuffer_.position(pixel), gbuffer_.normal(pixel));
   if (!figure.is_seen()) return std::nullopt;
   return figure;
 }
@@ -39,57 +39,61 @@ void FrameRays::trace(bool wants_distances, RayPlanes& planes) const {
   planes.dark.resize(wants_distances ? size : 0);
   std::atomic<std::size_t> ray_count = 0;
   for_blocks(size, 256, [&](std::size_t begin, std::size_t end) {
-    std::size_t rays = 0;
-    for (std::size_t i = begin; i < end; ++i) rays += trace_pixel(i, planes);
-    ray_count += rays;
+    Packet packet{.rays = GatheredRays(casters_)};
+    for (std::size_t i = begin; i < end; ++i) add(i, packet, planes);
+    trace_packet(packet, planes);
+    ray_count += packet.traced;
   });
   planes.ray_count = ray_count;
 }
 
-std::size_t FrameRays::trace_pixel(std::size_t pixel, RayPlanes& planes) const {
+void FrameRays::add(std::size_t pixel, Packet& packet, RayPlanes& planes) const {
   planes.asked[pixel] = 0;
   planes.seen[pixel] = 0;
   planes.faces[pixel] = 0;
-  const bool wants_distances = !planes.dark.empty();
-  if (wants_distances) {
+  if (!planes.dark.empty()) {
     planes.distance[pixel] = 0;
     planes.dark[pixel] = 0;
   }
   const std::optional<LightFigure> figure = this->figure(pixel);
-  if (!figure) return 0;
+  if (!figure) return;
   planes.faces[pixel] = 1;
   const Squares squares = this->squares(*figure, pixel);
-  const FaceRays rays(casters_, gbuffer_, pixel, *figure);
-  const FaceHits hits = rays.ask(squares, wanted());
-  for (std::uint32_t left = hits.asked; left; left &= left - 1) {
-    const int k = std::countr_zero(left);
+  const FaceAim aim(gbuffer_, pixel, *figure);
+  for (int ray = 0; ray < places_.ray_count(); ++ray) {
+    packet.pixel[packet.rays.count()] = pixel;
+    const bool is_added =
+        packet.rays.add(aim, {squares.x[ray], squares.y[ray]}, gbuffer_.mesh[pixel], gbuffer_.triangle[pixel]);
+    if (is_added && packet.rays.is_full()) trace_packet(packet, planes);
+  }
+}
+
+void FrameRays::trace_packet(Packet& packet, RayPlanes& planes) const {
+  const FaceHits hits = packet.rays.trace();
+  for (int k = 0; k < packet.rays.count(); ++k) {
+    const std::size_t pixel = packet.pixel[k];
     planes.asked[pixel] += hits.weight[k];
     planes.seen[pixel] += hits.weight[k] * static_cast<float>(hits.seen(k));
   }
-  std::size_t traced = static_cast<std::size_t>(std::popcount(hits.asked));
-  if (wants_distances) traced += find_distances(rays, squares, hits.blocked | hits.dimmed, pixel, planes);
-  return traced;
+  packet.traced += static_cast<std::size_t>(packet.rays.count());
+  if (!planes.dark.empty())
+    for (std::uint32_t dark = hits.blocked | hits.dimmed; dark; dark &= dark - 1) {
+      add_distance(packet, std::countr_zero(dark), planes);
+      ++packet.traced;
+    }
+  packet.rays.clear();
 }
 
-std::size_t FrameRays::find_distances(const FaceRays& rays, const Squares& squares, std::uint32_t dark, std::size_t pixel,
-                                      RayPlanes& planes) const {
-  if (dark == 0) return 0;
-  ShadowPacket packet;
-  rays.aim_at(squares, packet);
-  std::size_t traced = 0;
-  for (std::uint32_t left = dark; left; left &= left - 1) {
-    const int k = std::countr_zero(left);
-    const glm::dvec3 origin(packet.ox[k], packet.oy[k], packet.oz[k]), way(packet.dx[k], packet.dy[k], packet.dz[k]);
-    const RayScene::Hit hit = casters_.closest_caster(origin, way);
-    ++traced;
-    // A caster at the light's own depth may be missed by one of the two queries, and the receiver itself may be met by
-    // rounding: neither is a distance.
-    const bool is_own = hit.mesh == gbuffer_.mesh[pixel] && hit.triangle == gbuffer_.triangle[pixel];
-    if (hit.mesh == no_mesh || is_own || !(hit.t < 1)) continue;
-    planes.distance[pixel] += static_cast<float>(hit.t * glm::length(way));
-    planes.dark[pixel] += 1;
-  }
-  return traced;
+void FrameRays::add_distance(const Packet& packet, int ray, RayPlanes& planes) const {
+  const std::size_t pixel = packet.pixel[ray];
+  const glm::dvec3 way = packet.rays.way(ray);
+  const RayScene::Hit hit = casters_.closest_caster(packet.rays.origin(ray), way);
+  // A caster at the light's own depth may be missed by one of the two queries, and the receiver itself may be met by rounding:
+  // neither is a distance.
+  const bool is_own = hit.mesh == gbuffer_.mesh[pixel] && hit.triangle == gbuffer_.triangle[pixel];
+  if (hit.mesh == no_mesh || is_own || !(hit.t < 1)) return;
+  planes.distance[pixel] += static_cast<float>(hit.t * glm::length(way));
+  planes.dark[pixel] += 1;
 }
 
 }  // namespace gnomon::denoised_rays

@@ -23,7 +23,7 @@ struct RayPlanes {
 class FrameRays {
  public:
   FrameRays(const RayScene& casters, const GBuffer& gbuffer, const Light& light, const RayPlaces& places, std::uint32_t frame)
-      : casters_(casters), gbuffer_(gbuffer), light_(light), places_(places), frame_(frame) {}
+      : casters_(casters), gbuffer_(gbuffer), shape_(light), places_(places), frame_(frame) {}
 
   /// The figure of the light from a pixel that faces it; else nothing.
   std::optional<LightFigure> figure(std::size_t pixel) const;
@@ -35,13 +35,20 @@ class FrameRays {
   void trace(bool wants_distances, RayPlanes& planes) const;
 
  private:
-  std::size_t trace_pixel(std::size_t pixel, RayPlanes& planes) const;
-  std::size_t find_distances(const FaceRays& rays, const Squares& squares, std::uint32_t dark, std::size_t pixel,
-                             RayPlanes& planes) const;
+  /// Sixteen rays with the pixel of each.
+  struct Packet {
+    GatheredRays rays;
+    std::array<std::size_t, ray_lanes> pixel{};
+    std::size_t traced = 0;  ///< rays so far
+  };
+  /// Adds a pixel's rays, and traces the packet whenever it is full.
+  void add(std::size_t pixel, Packet& packet, RayPlanes& planes) const;
+  void trace_packet(Packet& packet, RayPlanes& planes) const;
+  void add_distance(const Packet& packet, int ray, RayPlanes& planes) const;
 
   const RayScene& casters_;
   const GBuffer& gbuffer_;
-  const Light& light_;
+  const LightShape shape_;
   const RayPlaces& places_;
   std::uint32_t frame_;
 };

@@ -11,14 +11,14 @@ namespace gnomon {
 
 namespace {
 
-/// Rays to the places of sixteen squares, and their weights, 0 where there is no ray. Bit k of the result: place k is on the
-/// light and above the horizon.
-GNOMON_VECTORIZED std::uint32_t aim(const float* f, const float* x, const float* y, ShadowPacket& __restrict packet,
-                                    float* __restrict weight) {
+/// Rays first .. last - 1 of a packet to the places of as many squares, and their weights, 0 where there is no ray. Bit k of
+/// the result: place k is on the light and above the horizon.
+GNOMON_VECTORIZED std::uint32_t aim(const float* f, const float* x, const float* y, int first, int last,
+                                    ShadowPacket& __restrict packet, float* __restrict weight) {
   const float *c = f, *u = f + 3, *v = f + 6, *n = f + 9, *axis = f + 12, *origin = f + 15, *lift = f + 18, *horizon = f + 21;
   const float low_s = f[24], low_t = f[25], size_s = f[26], size_t = f[27], is_disc = f[28], unit = f[29];
   std::uint32_t held = 0;
-  for (int k = 0; k < ray_lanes; ++k) {
+  for (int k = first; k < last; ++k) {
     const float s = low_s + x[k] * size_s, t = low_t + y[k] * size_t;
     const bool on = (is_disc * (s * s + t * t) <= 1) & (horizon[0] + horizon[1] * s + horizon[2] * t > 0);
     held |= on ? 1u << k : 0;
@@ -40,6 +40,30 @@ GNOMON_VECTORIZED std::uint32_t aim(const float* f, const float* x, const float*
     packet.flags[k] = 0;
   }
   return held;
+}
+
+/// What rays in `hits.asked` find.
+void trace_packet(const RayScene& casters, bool has_transmission, ShadowPacket& packet, const Receivers& receivers,
+                  FaceHits& hits) {
+  if (hits.asked == 0) return;
+  if (!has_transmission) {
+    hits.blocked = casters.occluded(hits.asked, packet, receivers);
+    return;
+  }
+  thread_local std::array<Crossings, ray_lanes> crossings;  // they keep their memory
+  const ShadowPacket aimed = packet;                        // tracing may take the packet to another frame
+  hits.blocked = casters.crossed(hits.asked, packet, receivers, crossings);
+  for (std::uint32_t left = hits.asked & ~hits.blocked; left; left &= left - 1) {
+    const int k = std::countr_zero(left);
+    if (crossings[k].empty()) continue;
+    const glm::dvec3 origin(aimed.ox[k], aimed.oy[k], aimed.oz[k]), direction(aimed.dx[k], aimed.dy[k], aimed.dz[k]);
+    const Crossings::Product product = crossings[k].product([&](std::uint32_t mesh, std::uint32_t triangle) {
+      return transmission_along(casters.scene().meshes[mesh], triangle, origin, direction);
+    });
+    hits.passed[k] = static_cast<float>(product.share.x);
+    if (hits.passed[k] == 0) hits.blocked |= 1u << k;
+    if (hits.passed[k] > 0 && hits.passed[k] < 1) hits.dimmed |= 1u << k;
+  }
 }
 
 /// Of each replica: the numbers of places asked and blocked, those that are dimmed by what they miss, and the weights of both.
@@ -148,11 +172,7 @@ glm::vec3 lift_of(const GBuffer& gbuffer, std::size_t pixel) {
 
 double area_ray_offset(const glm::vec3& point) { return ray_offset(point) / 4; }
 
-FaceRays::FaceRays(const RayScene& casters, const glm::vec3& origin, const glm::vec3& lift, std::uint32_t mesh,
-                   std::uint32_t triangle, const LightFigure& figure)
-    : casters_(casters) {
-  mesh_.fill(mesh);
-  triangle_.fill(triangle);
+FaceAim::FaceAim(const glm::vec3& origin, const glm::vec3& lift, const LightFigure& figure) {
   const glm::dvec3 axis = glm::normalize(glm::cross(figure.half_u(), figure.half_v()));
   // In this unit weights keep within float32, as near or far and as large or small as the light may be.
   const double unit = 1 / std::max({glm::length(figure.center()), glm::length(figure.half_u()), glm::length(figure.half_v())});
@@ -166,41 +186,52 @@ FaceRays::FaceRays(const RayScene& casters, const glm::vec3& origin, const glm::
     *next++ = static_cast<float>(number);
 }
 
+FaceAim::FaceAim(const GBuffer& gbuffer, std::size_t pixel, const LightFigure& figure) {
+  const glm::vec3 lift = lift_of(gbuffer, pixel);
+  *this = FaceAim(gbuffer.position(pixel) + lift, lift, figure);
+}
+
+FaceRays::FaceRays(const RayScene& casters, const glm::vec3& origin, const glm::vec3& lift, std::uint32_t mesh,
+                   std::uint32_t triangle, const LightFigure& figure)
+    : casters_(casters), aim_(origin, lift, figure) {
+  mesh_.fill(mesh);
+  triangle_.fill(triangle);
+}
+
 FaceRays::FaceRays(const RayScene& casters, const GBuffer& gbuffer, std::size_t pixel, const LightFigure& figure)
     : FaceRays(casters, gbuffer.position(pixel) + lift_of(gbuffer, pixel), lift_of(gbuffer, pixel), gbuffer.mesh[pixel],
                gbuffer.triangle[pixel], figure) {}
 
 std::uint32_t FaceRays::aim_at(const Squares& squares, ShadowPacket& packet) const {
   alignas(64) std::array<float, ray_lanes> weight;
-  return aim(numbers_.data(), squares.x.data(), squares.y.data(), packet, weight.data());
+  return aim(aim_.numbers(), squares.x.data(), squares.y.data(), 0, ray_lanes, packet, weight.data());
 }
 
 FaceHits FaceRays::ask(const Squares& squares, std::uint32_t wanted) const {
   FaceHits hits;
   ShadowPacket packet;
-  hits.asked = aim(numbers_.data(), squares.x.data(), squares.y.data(), packet, hits.weight.data()) & wanted;
-  if (hits.asked && has_transmission_)
-    look_through(packet, hits);
-  else if (hits.asked)
-    hits.blocked = casters_.occluded(hits.asked, packet, {mesh_.data(), triangle_.data()});
+  hits.asked = aim(aim_.numbers(), squares.x.data(), squares.y.data(), 0, ray_lanes, packet, hits.weight.data()) & wanted;
+  trace_packet(casters_, has_transmission_, packet, {mesh_.data(), triangle_.data()}, hits);
   return hits;
 }
 
-void FaceRays::look_through(ShadowPacket& packet, FaceHits& hits) const {
-  thread_local std::array<Crossings, ray_lanes> crossings;  // they keep their memory
-  const ShadowPacket aimed = packet;                        // tracing may take the packet to another frame
-  hits.blocked = casters_.crossed(hits.asked, packet, {mesh_.data(), triangle_.data()}, crossings);
-  for (std::uint32_t left = hits.asked & ~hits.blocked; left; left &= left - 1) {
-    const int k = std::countr_zero(left);
-    if (crossings[k].empty()) continue;
-    const glm::dvec3 origin(aimed.ox[k], aimed.oy[k], aimed.oz[k]), direction(aimed.dx[k], aimed.dy[k], aimed.dz[k]);
-    const Crossings::Product product = crossings[k].product([&](std::uint32_t mesh, std::uint32_t triangle) {
-      return transmission_along(casters_.scene().meshes[mesh], triangle, origin, direction);
-    });
-    hits.passed[k] = static_cast<float>(product.share.x);
-    if (hits.passed[k] == 0) hits.blocked |= 1u << k;
-    if (hits.passed[k] > 0 && hits.passed[k] < 1) hits.dimmed |= 1u << k;
-  }
+bool GatheredRays::add(const FaceAim& from, const glm::vec2& square, std::uint32_t mesh, std::uint32_t triangle) {
+  x_[count_] = square.x;
+  y_[count_] = square.y;
+  if (aim(from.numbers(), x_.data(), y_.data(), count_, count_ + 1, packet_, weight_.data()) == 0) return false;
+  mesh_[count_] = mesh;
+  triangle_[count_] = triangle;
+  ++count_;
+  return true;
+}
+
+FaceHits GatheredRays::trace() const {
+  FaceHits hits;
+  hits.asked = (1u << count_) - 1;
+  std::copy_n(weight_.begin(), count_, hits.weight.begin());
+  ShadowPacket packet = packet_;  // tracing may take it to another frame
+  trace_packet(casters_, has_transmission_, packet, {mesh_.data(), triangle_.data()}, hits);
+  return hits;
 }
 
 SampledShares sample_shares(const FaceRays& rays, std::uint64_t seed, const AreaTarget& target) {

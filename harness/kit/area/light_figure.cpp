@@ -1,5 +1,4 @@
 #include <gnomon/kit/area/light_figure.h>
-#include <gnomon/kit/area/light_shape.h>
 #include <gnomon/kit/geometry/across.h>
 
 #include <algorithm>
@@ -92,8 +91,7 @@ void clip_places(std::vector<glm::dvec2>& polygon, const glm::dvec3& line) {
   polygon = std::move(kept);
 }
 
-LightFigure::LightFigure(const Light& light, const glm::dvec3& point, const glm::dvec3& normal) : normal_(normal) {
-  const LightShape shape(light);
+LightFigure::LightFigure(const LightShape& shape, const glm::dvec3& point, const glm::dvec3& normal) : normal_(normal) {
   glm::dvec3 center = shape.center - point;
   half_u_ = shape.half_u;
   half_v_ = shape.half_v;

@@ -40,6 +40,22 @@ struct FaceHits {
 /// of one ray that meets a neighbor of the surface by rounding does not.
 double area_ray_offset(const glm::vec3& point);
 
+/// What sends rays from one point to the places of a figure: where they start, lifted off the point, and the figure from there.
+class FaceAim {
+ public:
+  /// From a pixel of a G-buffer. `figure` is that of the light from its point.
+  FaceAim(const GBuffer& gbuffer, std::size_t pixel, const LightFigure& figure);
+  /// `origin` is where rays start: lifted off the point that `figure` was made for, by `lift`, in world space.
+  FaceAim(const glm::vec3& origin, const glm::vec3& lift, const LightFigure& figure);
+
+  /// center, half_u, half_v, normal and the figure's axis, then the ray's start and its lift: x, y, z each; then the horizon,
+  /// the box's corner and size, 1 for a disc, and one over the unit of weights.
+  const float* numbers() const { return numbers_.data(); }
+
+ private:
+  std::array<float, 30> numbers_;
+};
+
 /// Shadow rays from one point to places of a light with area, by the recipe of all shadow rays (docs/method.md) but for the
 /// start: the receiver left out, the end at the light. Behind transmission the product of what the triangles let through, each
 /// looked up along the ray as it is traced.
@@ -60,15 +76,37 @@ class FaceRays {
   bool has_transmission() const { return has_transmission_; }
 
  private:
-  /// What rays in `asked` find where casters have transmission.
-  void look_through(ShadowPacket& packet, FaceHits& hits) const;
-
   const RayScene& casters_;
   const bool has_transmission_ = casters_.has_transmission();
   std::array<std::uint32_t, 16> mesh_, triangle_;
-  /// center, half_u, half_v, normal and the figure's axis, then the ray's start and its lift: x, y, z each; then the horizon,
-  /// the box's corner and size, 1 for a disc, and one over the unit of weights.
-  std::array<float, 30> numbers_;
+  FaceAim aim_;
+};
+
+/// The same where each of up to sixteen rays comes from a point of its own: few rays from each of many points, which one packet
+/// takes together.
+class GatheredRays {
+ public:
+  explicit GatheredRays(const RayScene& casters) : casters_(casters) {}
+
+  int count() const { return count_; }
+  bool is_full() const { return count_ == ray_lanes; }
+  /// Adds the ray to a square's place, of a receiver's triangle. Adds none and returns false where the figure has no place
+  /// there. Not when it is full.
+  bool add(const FaceAim& from, const glm::vec2& square, std::uint32_t mesh, std::uint32_t triangle);
+  /// From where and along what ray k goes, 1 at the light.
+  glm::dvec3 origin(int k) const { return {packet_.ox[k], packet_.oy[k], packet_.oz[k]}; }
+  glm::dvec3 way(int k) const { return {packet_.dx[k], packet_.dy[k], packet_.dz[k]}; }
+  /// What the rays found, in the order in which they were added.
+  FaceHits trace() const;
+  void clear() { count_ = 0; }
+
+ private:
+  const RayScene& casters_;
+  const bool has_transmission_ = casters_.has_transmission();
+  int count_ = 0;
+  ShadowPacket packet_;
+  std::array<std::uint32_t, ray_lanes> mesh_{}, triangle_{};
+  std::array<float, ray_lanes> x_{}, y_{}, weight_{};
 };
 
 /// Squares whose places fill a figure, as the unit square fills itself: of a rectangle the places of its whole

@@ -1,5 +1,5 @@
 #pragma once
-#include <gnomon/light.h>
+#include <gnomon/kit/area/light_shape.h>
 
 #include <algorithm>
 #include <span>
@@ -15,7 +15,9 @@ namespace gnomon {
 class LightFigure {
  public:
   /// `normal` is the surface's, unit, on the side that is queried.
-  LightFigure(const Light& light, const glm::dvec3& point, const glm::dvec3& normal);
+  LightFigure(const LightShape& shape, const glm::dvec3& point, const glm::dvec3& normal);
+  LightFigure(const Light& light, const glm::dvec3& point, const glm::dvec3& normal)
+      : LightFigure(LightShape(light), point, normal) {}
 
   /// Whether the point sees any of it: some of the figure is above the horizon, the point is not in the figure's plane nor
   /// behind a one-sided light, and not inside a sphere.
