@@ -67,35 +67,82 @@ void Widths::find_edges(const GBuffer& gbuffer, const RayPlanes& rays) {
   });
 }
 
+void Widths::Half::make(const FilterGuides& fine, const RayPlanes& rays, std::span<const float> fine_strength) {
+  guides.halve(fine);
+  const std::size_t size = static_cast<std::size_t>(guides.width()) * guides.height();
+  for (UnsetVector<float>* plane : {&dark, &distance, &strength}) plane->resize(size);
+  for_blocks(static_cast<std::size_t>(guides.height()), 8, [&](std::size_t begin, std::size_t end) {
+    for (int y = static_cast<int>(begin); y < static_cast<int>(end); ++y)
+      for (int x = 0; x < guides.width(); ++x) {
+        const std::size_t to = static_cast<std::size_t>(y) * guides.width() + x;
+        float count = 0, sum_dark = 0, sum_distance = 0, most = 0;
+        for (int k = 0; k < 4; ++k) {
+          const int fine_x = 2 * x + k % 2, fine_y = 2 * y + k / 2;
+          if (fine_x >= fine.width() || fine_y >= fine.height() || !fine.joins(fine_x, fine_y, guides, {x, y})) continue;
+          const std::size_t from = static_cast<std::size_t>(fine_y) * fine.width() + fine_x;
+          count += 1;
+          sum_dark += rays.dark[from];
+          sum_distance += rays.distance[from];
+          most = std::max(most, fine_strength[from]);
+        }
+        dark[to] = count > 0 ? sum_dark / count : 0;
+        distance[to] = count > 0 ? sum_distance / count : 0;
+        strength[to] = most;
+      }
+  });
+}
+
+std::optional<std::size_t> Widths::Half::place_of(const FilterGuides& fine, int x, int y) const {
+  const auto found = [&](int column, int row) { return fine.joins(x, y, guides, {column, row}); };
+  const int own_column = x / 2, own_row = y / 2;
+  const auto place = [&](int column, int row) { return static_cast<std::size_t>(row) * guides.width() + column; };
+  if (found(own_column, own_row)) return place(own_column, own_row);
+  for (int row = std::max(own_row - 1, 0); row <= std::min(own_row + 1, guides.height() - 1); ++row)
+    for (int column = std::max(own_column - 1, 0); column <= std::min(own_column + 1, guides.width() - 1); ++column)
+      if (found(column, row)) return place(column, row);
+  return std::nullopt;
+}
+
 void Widths::make(const FilterGuides& guides, const GBuffer& gbuffer, const Light& light, int rays_per_pixel,
                   GuidedFilter& filter, RayPlanes& rays) {
   sigma_.resize(gbuffer.size());
   find_edges(gbuffer, rays);
   const LightShape shape(light);
-  const std::array<std::span<float>, 1> numerators{rays.distance};
-  const FilterPlanes planes{.denominators = rays.dark, .numerators = numerators};
   const float enough = enough_dark * static_cast<float>(rays_per_pixel);
-  const auto take = [&](std::size_t i) {
+  const auto take = [&](std::size_t i, float distance, float dark) {
     const LampSize lamp = lamp_size(shape, gbuffer.position(i));
-    const float caster = rays.distance[i] / rays.dark[i];
-    const float meters = penumbra_width(static_cast<float>(lamp.half_width), static_cast<float>(lamp.distance), caster);
+    const float meters =
+        penumbra_width(static_cast<float>(lamp.half_width), static_cast<float>(lamp.distance), distance / dark);
     const int x = static_cast<int>(i % gbuffer.width), y = static_cast<int>(i / gbuffer.width);
-    return sigma_of_width(meters / guides.footprint(x, y));
+    sigma_[i] = sigma_of_width(meters / guides.footprint(x, y));
   };
-  for_blocks(sigma_.size(), 4096, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) sigma_[i] = rays.faces[i] && strength_[i] > 0 ? open : 0;
-  });
-  for (int level = 0; level < most_filter_levels; ++level) {
-    filter.run(guides, atrous_rule, level, level + 1, planes, strength_);
-    const bool is_last = level + 1 == most_filter_levels;
+  const auto for_pixels = [&](const auto& work) {
     for_blocks(sigma_.size(), 1024, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i) {
-        if (sigma_[i] != open) continue;
-        if (rays.dark[i] >= enough || (is_last && rays.dark[i] > 0))
-          sigma_[i] = take(i);
-        else if (is_last)
-          sigma_[i] = 0;
-      }
+      for (std::size_t i = begin; i < end; ++i) work(i);
+    });
+  };
+  const std::array<std::span<float>, 1> numerators{rays.distance};
+  filter.run(guides, atrous_rule, 0, 1, {.denominators = rays.dark, .numerators = numerators}, strength_);
+  for_pixels([&](std::size_t i) {
+    sigma_[i] = rays.faces[i] && strength_[i] > 0 ? open : 0;
+    if (sigma_[i] == open && rays.dark[i] >= enough) take(i, rays.distance[i], rays.dark[i]);
+  });
+
+  half_.make(guides, rays, strength_);
+  const std::array<std::span<float>, 1> half_numerators{half_.distance};
+  for (int level = 1; level < most_filter_levels; ++level) {
+    half_.filter.run(half_.guides, atrous_rule, level - 1, level, {.denominators = half_.dark, .numerators = half_numerators},
+                     half_.strength);
+    const bool is_last = level + 1 == most_filter_levels;
+    for_pixels([&](std::size_t i) {
+      if (sigma_[i] != open) return;
+      const int x = static_cast<int>(i % gbuffer.width), y = static_cast<int>(i / gbuffer.width);
+      const std::optional<std::size_t> at = half_.place_of(guides, x, y);
+      const float dark = at ? half_.dark[*at] : 0;
+      if (dark >= enough || (is_last && dark > 0))
+        take(i, half_.distance[*at], dark);
+      else if (is_last)
+        sigma_[i] = 0;
     });
   }
 }

@@ -2,6 +2,8 @@
 #include <gnomon/kit/bytes.h>
 #include <gnomon/kit/denoise/filters.h>
 
+#include <optional>
+
 #include "pixel_rays.h"
 
 namespace gnomon::denoised_rays {
@@ -11,19 +13,36 @@ namespace gnomon::denoised_rays {
 class Widths {
  public:
   /// Spreads `rays.distance` and `rays.dark` in place. A pixel takes the mean distance of the dark rays of the smallest
-  /// neighborhood that has enough of them, so that a contact keeps its own width beside a wide penumbra.
+  /// neighborhood that has enough of them, so that a contact keeps its own width beside a wide penumbra. Neighborhoods beyond
+  /// the first are of 2x2 pixels together.
   void make(const FilterGuides& guides, const GBuffer& gbuffer, const Light& light, int rays_per_pixel, GuidedFilter& filter,
             RayPlanes& rays);
   /// Pixels, row-major; 0 where no dark ray is around, or none but dark ones.
   std::span<const float> sigma() const { return sigma_; }
-  std::size_t bytes() const { return bytes_of(sigma_, strength_, found_, found_beside_); }
+  std::size_t bytes() const {
+    return bytes_of(sigma_, strength_, found_, found_beside_, half_.dark, half_.distance, half_.strength) +
+           half_.guides.bytes() + half_.filter.bytes();
+  }
 
  private:
   /// In `strength_` 1 at pixels with both lit and dark rays within reach of the filters, elsewhere 0: what all rays around
   /// agree on no width changes.
   void find_edges(const GBuffer& gbuffer, const RayPlanes& rays);
 
+  /// Sums of 2x2 pixels, spread like those of the pixels.
+  struct Half {
+    FilterGuides guides;
+    GuidedFilter filter;
+    UnsetVector<float> dark, distance, strength;
+
+    /// Means of the pixels that join the one that guides.
+    void make(const FilterGuides& fine, const RayPlanes& rays, std::span<const float> fine_strength);
+    /// The place whose sums stand for a fine pixel's: its own, else one beside it; nothing where none joins it.
+    std::optional<std::size_t> place_of(const FilterGuides& fine, int x, int y) const;
+  };
+
   UnsetVector<float> sigma_, strength_;
+  Half half_;
   UnsetVector<std::uint8_t> found_, found_beside_;  ///< of each tile, see find_edges
 };
 

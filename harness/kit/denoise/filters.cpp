@@ -39,22 +39,30 @@ FilterGuides::Row row_from(const FilterGuides::Row& g, std::ptrdiff_t x) {
 
 }  // namespace
 
+void FilterGuides::resize(int width, int height) {
+  width_ = width;
+  height_ = height;
+  const std::size_t size = static_cast<std::size_t>(stride()) * height_;
+  for (UnsetVector<float>* plane : {&px_, &py_, &pz_, &nx_, &ny_, &nz_, &footprint_, &per_footprint_}) plane->resize(size);
+  mesh_.resize(size);
+}
+
+void FilterGuides::clear_row(int y) {
+  const std::size_t start = at(0, y) - filter_margin, length = static_cast<std::size_t>(stride());
+  for (UnsetVector<float>* plane : {&px_, &py_, &pz_, &nx_, &ny_, &nz_, &footprint_, &per_footprint_})
+    std::fill_n(&(*plane)[start], length, 0.0f);
+  std::fill_n(&mesh_[start], length, no_mesh);
+}
+
 void FilterGuides::make(const GBuffer& gbuffer, std::span<const std::uint8_t> faces) {
   if (faces.size() != gbuffer.size())
     throw Error("flags of {} pixels do not fit a G-buffer of {} x {}", faces.size(), gbuffer.width, gbuffer.height);
-  width_ = gbuffer.width;
-  height_ = gbuffer.height;
-  const std::size_t size = static_cast<std::size_t>(stride()) * height_;
-  const std::array<UnsetVector<float>*, 8> planes{&px_, &py_, &pz_, &nx_, &ny_, &nz_, &footprint_, &per_footprint_};
-  for (UnsetVector<float>* plane : planes) plane->resize(size);
-  mesh_.resize(size);
+  resize(gbuffer.width, gbuffer.height);
   const Camera camera(gbuffer.view, width_, height_);
   const double per_meter = 2 * camera.tan_y / height_;  // pixel's height at a depth of 1 m, along the view's axis
   for_blocks(static_cast<std::size_t>(height_), guide_rows, [&](std::size_t begin, std::size_t end) {
     for (int y = static_cast<int>(begin); y < static_cast<int>(end); ++y) {
-      const std::size_t start = at(0, y) - filter_margin, length = static_cast<std::size_t>(stride());
-      for (UnsetVector<float>* plane : planes) std::fill_n(&(*plane)[start], length, 0.0f);
-      std::fill_n(&mesh_[start], length, no_mesh);
+      clear_row(y);
       for (int x = 0; x < width_; ++x) {
         const std::size_t i = static_cast<std::size_t>(y) * width_ + x, to = at(x, y);
         if (faces[i] == 0 || gbuffer.is_background(i)) continue;
@@ -73,6 +81,36 @@ void FilterGuides::make(const GBuffer& gbuffer, std::span<const std::uint8_t> fa
   });
 }
 
+void FilterGuides::halve(const FilterGuides& fine) {
+  resize((fine.width_ + 1) / 2, (fine.height_ + 1) / 2);
+  for_blocks(static_cast<std::size_t>(height_), guide_rows, [&](std::size_t begin, std::size_t end) {
+    for (int y = static_cast<int>(begin); y < static_cast<int>(end); ++y) {
+      clear_row(y);
+      for (int x = 0; x < width_; ++x)
+        for (int k = 0; k < 4; ++k) {
+          const int fine_x = 2 * x + k % 2, fine_y = 2 * y + k / 2;
+          if (fine_x >= fine.width_ || fine_y >= fine.height_ || !fine.counts(fine_x, fine_y)) continue;
+          const std::size_t from = fine.at(fine_x, fine_y), to = at(x, y);
+          for (UnsetVector<float> FilterGuides::*plane :
+               {&FilterGuides::px_, &FilterGuides::py_, &FilterGuides::pz_, &FilterGuides::nx_, &FilterGuides::ny_,
+                &FilterGuides::nz_, &FilterGuides::footprint_, &FilterGuides::per_footprint_})
+            (this->*plane)[to] = (fine.*plane)[from];
+          mesh_[to] = fine.mesh_[from];
+          break;
+        }
+    }
+  });
+}
+
+bool FilterGuides::joins(int x, int y, const FilterGuides& other, glm::ivec2 there) const {
+  constexpr float near = 2, alike = 0.866f;
+  const std::size_t p = at(x, y), q = other.at(there.x, there.y);
+  if (mesh_[p] == no_mesh || mesh_[p] != other.mesh_[q]) return false;
+  const glm::vec3 normal(nx_[p], ny_[p], nz_[p]), apart(other.px_[q] - px_[p], other.py_[q] - py_[p], other.pz_[q] - pz_[p]);
+  return std::fabs(glm::dot(normal, apart)) * per_footprint_[p] < near &&
+         glm::dot(normal, glm::vec3(other.nx_[q], other.ny_[q], other.nz_[q])) > alike;
+}
+
 FilterGuides::Row FilterGuides::row(int y) const {
   const std::size_t start = at(0, y);
   return {&px_[start], &py_[start], &pz_[start], &nx_[start], &ny_[start], &nz_[start], &per_footprint_[start], &mesh_[start]};
@@ -88,22 +126,6 @@ float sigma_of_width(float width_pixels) noexcept {
 
 float penumbra_width(float radius, float light_distance, float caster_distance) noexcept {
   return 2 * radius * caster_distance / std::max(light_distance - caster_distance, light_distance / 1024);
-}
-
-float distant_penumbra_width(float tan_theta, float caster_distance) noexcept { return 2 * caster_distance * tan_theta; }
-
-void sigmas_of_widths(const FilterGuides& guides, std::span<const float> widths, std::span<const float> counts,
-                      std::span<float> sigma) {
-  const std::size_t width = static_cast<std::size_t>(guides.width()), size = width * guides.height();
-  for (const std::size_t given : {widths.size(), counts.size(), sigma.size()})
-    if (given != size) throw Error("a plane has {} pixels, not the {} of the guides", given, size);
-  for_blocks(static_cast<std::size_t>(guides.height()), guide_rows, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin * width; i < end * width; ++i) {
-      const int x = static_cast<int>(i % width), y = static_cast<int>(i / width);
-      const bool is_known = guides.counts(x, y) && counts[i] > 0;
-      sigma[i] = is_known ? sigma_of_width(widths[i] / counts[i] / guides.footprint(x, y)) : 0;
-    }
-  });
 }
 
 void spread_variance(const FilterGuides& guides, std::span<const float> numerators, std::span<const float> denominators,

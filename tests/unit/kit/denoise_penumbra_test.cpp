@@ -17,7 +17,6 @@ TEST(denoise_penumbra, width_of_a_penumbra_follows_from_its_caster) {
   EXPECT_NEAR(penumbra_width(0.15f, 4, 1), 0.1, 1e-6);  // .3 * 1 / 3
   EXPECT_NEAR(penumbra_width(0.15f, 4, 4), 0.3 * 1024, 1e-3);
   EXPECT_EQ(penumbra_width(0.15f, 4, 0), 0);
-  EXPECT_NEAR(distant_penumbra_width(0.01f, 5), 0.1, 1e-6);
   EXPECT_NEAR(sigma_of_width(12), 1.8, 1e-6);
   EXPECT_NEAR(sigma_of_width(96), 7.2, 1e-5);  // eight times as wide
   EXPECT_EQ(sigma_of_width(0), 0);
@@ -31,17 +30,26 @@ TEST(denoise_penumbra, footprint_is_a_pixel_at_the_points_depth) {
   EXPECT_NEAR(guides.footprint(2, 3), 2 * wall.pixel(), 1e-6);
 }
 
-TEST(denoise_penumbra, sigma_follows_from_dark_rays_in_the_pixels_own_size) {
-  Wall wall(30, 20);
-  wall.pz[wall.at(2, 3)] = -5;
-  wall.faces[wall.at(7, 7)] = 0;
-  std::vector<float> widths(wall.size(), 3 * 12 * wall.pixel()), counts(wall.size(), 3), sigma(wall.size(), -1);
-  counts[wall.at(1, 1)] = 0;
-  sigmas_of_widths(wall.guides(), widths, counts, sigma);
-  EXPECT_NEAR(sigma[wall.at(20, 10)], 1.8, 1e-5);
-  EXPECT_NEAR(sigma[wall.at(2, 3)], sigma_of_width(6), 1e-5);
-  EXPECT_EQ(sigma[wall.at(1, 1)], 0);
-  EXPECT_EQ(sigma[wall.at(7, 7)], 0);
+TEST(denoise_penumbra, half_of_the_pixels_stand_for_those_on_their_surface) {
+  Wall wall(5, 3);
+  wall.faces[wall.at(0, 0)] = 0;
+  wall.mesh[wall.at(3, 0)] = 1;
+  wall.pz[wall.at(3, 1)] = -50;
+  wall.nx[wall.at(2, 1)] = 1;
+  wall.nz[wall.at(2, 1)] = 0;
+  const FilterGuides fine = wall.guides();
+  FilterGuides half;
+  half.halve(fine);
+  ASSERT_EQ(half.width(), 3);
+  ASSERT_EQ(half.height(), 2);
+  EXPECT_TRUE(half.counts(2, 1));
+  EXPECT_EQ(half.footprint(0, 0), fine.footprint(1, 0));  // the first that counts, of its own size
+  EXPECT_FALSE(fine.joins(0, 0, half, {0, 0}));
+  EXPECT_TRUE(fine.joins(1, 1, half, {0, 0}));
+  EXPECT_TRUE(fine.joins(2, 0, half, {1, 0}));
+  EXPECT_FALSE(fine.joins(3, 0, half, {1, 0}));  // another mesh
+  EXPECT_FALSE(fine.joins(3, 1, half, {1, 0}));  // off the plane
+  EXPECT_FALSE(fine.joins(2, 1, half, {1, 0}));  // turned away
 }
 
 struct Errors {

@@ -23,6 +23,9 @@ class FilterGuides {
   /// `faces`: of each pixel, whether it counts (1) or not (0); such that do not are left as they are and weigh nothing. Pixels
   /// of the background never count. Reuses its memory at the same size.
   void make(const GBuffer& gbuffer, std::span<const std::uint8_t> faces);
+  /// Of half of the pixels both ways, rounded up: each the first of up to 2x2 that counts, with its own footprint, so that
+  /// weights between two are those of the fine pixels.
+  void halve(const FilterGuides& fine);
   int width() const { return width_; }
   int height() const { return height_; }
   int stride() const { return width_ + 2 * filter_margin; }
@@ -31,6 +34,9 @@ class FilterGuides {
   bool counts(int x, int y) const { return mesh_[at(x, y)] != no_mesh; }
   /// Meters at a pixel's point, across the line of sight, per pixel; 0 at pixels that do not count.
   float footprint(int x, int y) const { return footprint_[at(x, y)]; }
+  /// Whether pixel (x, y) is on the mesh of `other`'s pixel `there`, within two footprints of its plane and turned less than
+  /// 30 degrees away from it. Not where one of them does not count.
+  bool joins(int x, int y, const FilterGuides& other, glm::ivec2 there) const;
   std::size_t bytes() const;
 
   struct Row {
@@ -42,6 +48,9 @@ class FilterGuides {
   Row row(int y) const;
 
  private:
+  void resize(int width, int height);
+  void clear_row(int y);
+
   int width_ = 0, height_ = 0;
   UnsetVector<float> px_, py_, pz_, nx_, ny_, nz_, footprint_, per_footprint_;
   UnsetVector<std::uint32_t> mesh_;
@@ -110,16 +119,9 @@ class GuidedFilter {
 float sigma_of_width(float width_pixels) noexcept;
 
 /// Width of a penumbra in meters across the light's rays: of a lamp of radius `radius` at `light_distance`, with the caster
-/// `caster_distance` from the point: 2 r d / (D - d). Of a distant light 2 d tan(theta). D - d counts as D / 1024 at least, so
+/// `caster_distance` from the point: 2 r d / (D - d). D - d counts as D / 1024 at least, so
 /// that widths are finite and can be summed up.
 float penumbra_width(float radius, float light_distance, float caster_distance) noexcept;
-float distant_penumbra_width(float tan_theta, float caster_distance) noexcept;
-
-/// Sigma of each pixel from sums over its dark rays: of the widths of their penumbrae in meters, and of their number. Both are
-/// filtered alike before, say by levels 0 .. 3 of atrous_rule, so that lit pixels have the width of the dark rays around.
-/// 0 where there is no dark ray near.
-void sigmas_of_widths(const FilterGuides& guides, std::span<const float> widths, std::span<const float> counts,
-                      std::span<float> sigma);
 
 /// Variance of the ratio of the first numerators to the denominators over the 7x7 pixels around each that counts: those on the
 /// same mesh and within two footprints of its plane, each weighted by its denominator. Written where `history_length`, in
