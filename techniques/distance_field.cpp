@@ -71,12 +71,13 @@ class DistanceField final : public Technique {
     std::atomic<std::uint64_t> rays = 0, steps = 0;
     for_blocks(gbuffer.size(), 256, [&](std::size_t begin, std::size_t end) {
       std::uint64_t ray_count = 0, step_count = 0;
+      Trace trace(*built_);
       for (std::size_t i = begin; i < end; ++i) {
         answer_[i] = 1;
         steps_[i] = 0;
         const std::optional<Way> way = way_of(*built_, gbuffer, light_, i);
         if (!way) continue;
-        const Trace trace(*built_, *way);
+        trace.follow(*way);
         answer_[i] = static_cast<float>(share_seen(set_formula(), trace.least()));
         steps_[i] = static_cast<std::uint16_t>(std::min(trace.steps(), 65535u));
         ++ray_count;

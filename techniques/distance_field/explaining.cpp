@@ -20,22 +20,39 @@ DoubledFields::DoubledFields(const Fields& fields, const std::vector<MeshDistanc
   for (std::uint32_t k = 0; k < fields.count(); ++k) {
     frames_.emplace_back(fields.scene().meshes[fields.mesh(k)], 2 * fields.resolution());
     frames_.back().is_closed = fields.field(k).frame().is_closed;
+    Samples& samples = samples_.emplace_back();
+    samples.cubes = (frames_.back().cells >> 3) + 1;
+    samples.made.resize(static_cast<std::size_t>(samples.cubes.x) * samples.cubes.y * samples.cubes.z);
   }
+}
+
+double DoubledFields::sample(std::uint32_t caster, const glm::ivec3& at) const {
+  Samples& samples = samples_[caster];
+  const glm::ivec3 cube = at >> 3, inner = at & 7;
+  std::unique_ptr<Samples::Cube>& made = samples.made[(cube.z * samples.cubes.y + cube.y) * samples.cubes.x + cube.x];
+  constexpr std::uint16_t unknown = 0x7fff;  // no number
+  if (!made) {
+    made = std::make_unique<Samples::Cube>();
+    made->fill(unknown);
+  }
+  std::uint16_t& half = (*made)[inner.z << 6 | inner.y << 3 | inner.x];
+  if (half == unknown) {
+    const Frame& frame = frames_[caster];
+    const glm::dvec3 place = frame.place(at);
+    const double distance = meshes_[caster].to_nearest(place, samples.near);
+    half = to_half(frame.held(distance, frame.is_closed && meshes_[caster].winding(place) != 0));
+  }
+  return from_half(half);
 }
 
 double DoubledFields::distance(std::uint32_t caster, const glm::dvec3& p) const {
   const Frame& frame = frames_[caster];
-  std::uint32_t near = 0;
-  return frame.distance(p, [&](const glm::ivec3& sample) {
-    const glm::dvec3 place = frame.place(sample);
-    const double distance = meshes_[caster].to_nearest(place, near);
-    return from_half(to_half(frame.held(distance, frame.is_closed && meshes_[caster].winding(place) != 0)));
-  });
+  const Frame::Place place = frame.find(p);
+  return frame.from(place.off, interpolated(place, [&](const glm::ivec3& at) { return sample(caster, at); }));
 }
 
 double ExactDistances::distance(std::uint32_t caster, const glm::dvec3& p) const {
-  std::uint32_t near = 0;
-  const double distance = meshes_[caster].to_nearest(p, near);
+  const double distance = meshes_[caster].to_nearest(p, near_[caster]);
   if (!fields_.field(caster).frame().is_closed) return distance - voxel(caster) / 2;
   return meshes_[caster].winding(p) != 0 ? -distance : distance;
 }
@@ -111,8 +128,8 @@ std::string_view Judge::cause(const Question& question) const {
 std::string_view Judge::cause_of_lit(const Question& question, double truth, const Trace<ExactDistances>& trace) const {
   const double half = (question.answer - truth) / 2;
   double held_back = 0;
-  for (const Held& held : trace.held())
-    if (!held.counts) held_back += hidden(question, held.caster);
+  for (std::uint32_t k = 0; k < fields_.count(); ++k)
+    if (!trace.counted(k) && is_near(exact_, question.way, k)) held_back += hidden(question, k);
   if (held_back >= half) return id_of(Own::contact_gap);
   if (!has_area(light_)) return "";
   Way to_light = question.way;

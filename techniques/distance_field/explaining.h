@@ -3,6 +3,7 @@
 #include <gnomon/kit/geometry/exact_scene.h>
 #include <gnomon/technique.h>
 
+#include <array>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -32,33 +33,46 @@ enum class Own : std::uint8_t { field_resolution, contact_gap, near_light, neare
 constexpr std::string_view id_of(Own own) { return causes[static_cast<std::size_t>(own)].id; }
 static_assert(id_of(Own::one_edge) == "one_edge");
 
-/// Fields of twice the resolution, whose samples are computed where they are asked.
+/// Fields of twice the resolution, whose samples are computed where they are first asked. Not for many threads.
 class DoubledFields {
  public:
   DoubledFields(const Fields& fields, const std::vector<MeshDistances>& meshes);
   const BoxTree& tree() const { return fields_.tree(); }
+  const Bounds& box(std::uint32_t caster) const { return fields_.box(caster); }
   double voxel(std::uint32_t caster) const { return frames_[caster].voxel; }
-  double largest_voxel() const { return fields_.largest_voxel() / 2; }
   double distance(std::uint32_t caster, const glm::dvec3& p) const;
 
  private:
+  /// Samples in cubes of 8 x 8 x 8, each made where one of them is asked.
+  struct Samples {
+    using Cube = std::array<std::uint16_t, 512>;
+    glm::ivec3 cubes{0};  ///< along each axis
+    std::vector<std::unique_ptr<Cube>> made;
+    std::uint32_t near = 0;  ///< the triangle nearest to the last sample that was computed
+  };
+  double sample(std::uint32_t caster, const glm::ivec3& sample) const;
+
   const Fields& fields_;
   const std::vector<MeshDistances>& meshes_;
   std::vector<Frame> frames_;
+  mutable std::vector<Samples> samples_;  ///< of each caster
 };
 
-/// Exact distances, with the steps and the thickness of open meshes of a field of eight times the resolution.
+/// Exact distances, with the steps and the thickness of open meshes of a field of eight times the resolution. Not for many
+/// threads.
 class ExactDistances {
  public:
-  ExactDistances(const Fields& fields, const std::vector<MeshDistances>& meshes) : fields_(fields), meshes_(meshes) {}
+  ExactDistances(const Fields& fields, const std::vector<MeshDistances>& meshes)
+      : fields_(fields), meshes_(meshes), near_(meshes.size()) {}
   const BoxTree& tree() const { return fields_.tree(); }
+  const Bounds& box(std::uint32_t caster) const { return fields_.box(caster); }
   double voxel(std::uint32_t caster) const { return fields_.voxel(caster) / 8; }
-  double largest_voxel() const { return fields_.largest_voxel() / 8; }
   double distance(std::uint32_t caster, const glm::dvec3& p) const;
 
  private:
   const Fields& fields_;
   const std::vector<MeshDistances>& meshes_;
+  mutable std::vector<std::uint32_t> near_;  ///< of each caster, the triangle nearest to the last point
 };
 
 /// What is true of pixels, and which step of the technique answers otherwise. Not for many threads.

@@ -2,6 +2,8 @@
 
 #include <gnomon/kit/parallel.h>
 
+#include <array>
+
 namespace gnomon::distance_field {
 
 namespace {
@@ -30,6 +32,47 @@ void find_windings(const MeshDistances& mesh, const Frame& frame, int slice, std
     if (i % row != 0) windings[i] += windings[i - 1];
 }
 
+/// Fills slabs of samples, by cubes of them: where few triangles are near a cube, its samples need no search of their own.
+class Sampler {
+ public:
+  static constexpr int side = 4;  ///< of a cube, samples
+
+  Sampler(const MeshDistances& mesh, const Frame& frame) : mesh_(mesh), frame_(frame) {}
+
+  /// The slices from `z` on, so many as a cube has.
+  void fill(int z, std::vector<std::uint16_t>& samples) {
+    near_ = 0;
+    const int slices = std::min(side, frame_.cells.z + 1 - z);
+    if (frame_.is_closed)
+      for (int k = 0; k < slices; ++k) find_windings(mesh_, frame_, z + k, windings_[k]);
+    for (int y = 0; y <= frame_.cells.y; y += side)
+      for (int x = 0; x <= frame_.cells.x; x += side)
+        fill_cube({x, y, z}, glm::min(glm::ivec3(x, y, z) + side, frame_.cells + 1), samples);
+  }
+
+ private:
+  static constexpr std::size_t few = 32;  ///< triangles
+
+  void fill_cube(const glm::ivec3& low, const glm::ivec3& end, std::vector<std::uint16_t>& samples) {
+    const glm::dvec3 first = frame_.place(low), last = frame_.place(end - 1);
+    const bool is_few = mesh_.find_near((first + last) / 2.0, glm::length(last - first) / 2, few, places_, near_);
+    for (int z = low.z; z < end.z; ++z)
+      for (int y = low.y; y < end.y; ++y)
+        for (int x = low.x; x < end.x; ++x) {
+          const glm::dvec3 p = frame_.place({x, y, z});
+          const double distance = is_few ? mesh_.to_nearest_of(places_, p) : mesh_.to_nearest(p, near_);
+          const bool is_inside = frame_.is_closed && windings_[z - low.z][frame_.index({x, y, 0})] != 0;
+          samples[frame_.index({x, y, z})] = to_half(frame_.held(distance, is_inside));
+        }
+  }
+
+  const MeshDistances& mesh_;
+  const Frame& frame_;
+  std::array<std::vector<int>, side> windings_;  ///< of the slices
+  std::vector<std::uint32_t> places_;            ///< of the triangles near a cube
+  std::uint32_t near_ = 0;                       ///< place of the triangle that was nearest to the last sample searched for
+};
+
 }  // namespace
 
 Frame::Frame(const Mesh& mesh, int resolution) {
@@ -40,6 +83,7 @@ Frame::Frame(const Mesh& mesh, int resolution) {
   const double longest = std::max({size.x, size.y, size.z});
   if (!(longest > 0)) return;
   voxel = longest / resolution;
+  per_meter = 1 / voxel;
   for (int k = 0; k < 3; ++k) {
     const int inner = size[k] == longest ? resolution : static_cast<int>(std::ceil(size[k] / longest * resolution));
     cells[k] = (inner == 1 ? 2 : inner) + 2 * margin;
@@ -63,20 +107,10 @@ Field::Field(const Mesh& mesh, int resolution) : frame_(mesh, resolution), sampl
   // Edges that are joined in the rest pose may be apart in another one.
   frame_.is_closed = mesh.is_closed() && measure_facts(mesh.positions, mesh.triangles).closed();
   const MeshDistances distances(mesh);
-  for_blocks(frame_.cells.z + std::size_t{1}, 1, [&](std::size_t begin, std::size_t end) {
-    std::vector<int> windings;
-    for (int z = static_cast<int>(begin); z < static_cast<int>(end); ++z) {
-      if (frame_.is_closed) find_windings(distances, frame_, z, windings);
-      const std::size_t first = frame_.index({0, 0, z});
-      // The triangle that is nearest to one sample bounds the search for the next.
-      std::uint32_t near = 0;
-      for (int y = 0; y <= frame_.cells.y; ++y)
-        for (int x = 0; x <= frame_.cells.x; ++x) {
-          const std::size_t i = frame_.index({x, y, z});
-          const double distance = distances.to_nearest(frame_.place({x, y, z}), near);
-          samples_[i] = to_half(frame_.held(distance, frame_.is_closed && windings[i - first] != 0));
-        }
-    }
+  const std::size_t slabs = frame_.cells.z / Sampler::side + std::size_t{1};
+  for_blocks(slabs, 1, [&](std::size_t begin, std::size_t end) {
+    Sampler sampler(distances, frame_);
+    for (std::size_t slab = begin; slab < end; ++slab) sampler.fill(static_cast<int>(slab) * Sampler::side, samples_);
   });
 }
 

@@ -11,7 +11,6 @@ void Fields::fill(const Make& make) {
   std::vector<Field> fields;
   std::vector<std::uint32_t> meshes, casters(scene_->meshes.size(), no_caster);
   std::vector<Bounds> boxes;
-  largest_voxel_ = 0;
   for (std::uint32_t m = 0; m < scene_->meshes.size(); ++m) {
     if (!scene_->meshes[m].casts) continue;
     Field field = make(m);
@@ -19,13 +18,13 @@ void Fields::fill(const Make& make) {
     casters[m] = static_cast<std::uint32_t>(fields.size());
     meshes.push_back(m);
     boxes.push_back(field.frame().bounds());
-    largest_voxel_ = std::max(largest_voxel_, field.frame().voxel);
     fields.push_back(std::move(field));
   }
   fields_ = std::move(fields);
   meshes_ = std::move(meshes);
   casters_ = std::move(casters);
   tree_ = BoxTree(boxes);
+  boxes_ = std::move(boxes);
 }
 
 void Fields::build(const Scene& scene, int resolution) {
@@ -58,7 +57,7 @@ std::size_t Fields::sample_count() const {
 }
 
 std::size_t Fields::bytes() const {
-  std::size_t sum = bytes_of(fields_, meshes_, casters_) + tree_.bytes();
+  std::size_t sum = bytes_of(fields_, meshes_, casters_, boxes_) + tree_.bytes();
   for (const Field& field : fields_) sum += field.bytes();
   return sum;
 }

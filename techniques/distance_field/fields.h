@@ -30,7 +30,7 @@ class Fields {
   // What a trace asks (trace.h).
   const BoxTree& tree() const { return tree_; }
   double voxel(std::uint32_t caster) const { return fields_[caster].frame().voxel; }
-  double largest_voxel() const { return largest_voxel_; }
+  const Bounds& box(std::uint32_t caster) const { return boxes_[caster]; }
   double distance(std::uint32_t caster, const glm::dvec3& p) const { return fields_[caster].distance(p); }
 
   std::size_t sample_count() const;
@@ -46,8 +46,8 @@ class Fields {
   std::vector<Field> fields_;
   std::vector<std::uint32_t> meshes_;   ///< of each field
   std::vector<std::uint32_t> casters_;  ///< of each mesh
-  BoxTree tree_;                        ///< over the frames
-  double largest_voxel_ = 0;
+  std::vector<Bounds> boxes_;           ///< of the frames
+  BoxTree tree_;                        ///< over these boxes
 };
 
 }  // namespace gnomon::distance_field
