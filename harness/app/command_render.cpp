@@ -220,6 +220,7 @@ class Rendering {
     const auto drawn = [&](std::span<const float> mask, AnswerKind kind) {
       return (kind == AnswerKind::binary ? draw_mask : draw_soft_mask)(mask, width, height);
     };
+    if (layer_) tell_exact(measured);
     const Evidence evidence = measured.evidence(run_.scene);
     if (measured.together && !measured.together->channels.empty()) {
       std::array<std::span<const float>, std::size(all_channels)> channels;
@@ -243,6 +244,14 @@ class Rendering {
                   draw_layer(worker_.client().debug_layer(layer_->name, k), width, height, *layer_));
       if (detail_folder_) write_detail(job, light, own_tail, k);
     }
+  }
+
+  /// Layers may show parts of the error. The technique has answered anew since they were asked for: the same, as the first
+  /// picture of a sequence.
+  void tell_exact(const MeasuredRow& measured) {
+    std::vector<Answer> answers;
+    for (const MeasuredLight& light : measured.lights) answers.push_back(light.answer);
+    worker_.check_error_terms(answers);
   }
 
   /// The surface detail of a light that was measured last, as an OBJ file and its materials.

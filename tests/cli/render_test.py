@@ -8,7 +8,8 @@ import sys
 import unittest
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).resolve().parent))
+sys.path[:0] = [str(Path(__file__).resolve().parents[1] / room) for room in ("cli", "viewer")]
+from pictures import read_png  # noqa: E402
 from program import DATA, SMALL, ProgramTest, records  # noqa: E402
 
 SIZE = SMALL[-2:]
@@ -105,6 +106,17 @@ class Render(ProgramTest):
         self.refuse("render", "--scene", "single_triangle", "--technique", "crow_counting", *SIZE, "--debug", "crossing",
                     "--out", "none", says=["did you mean crossings"])
         self.assertFalse((self.dir / "none").exists())
+
+    def test_layers_show_the_parts_of_an_error(self):
+        """Without memory the noise differs from pixel to pixel, and nothing is stale. The legend below has few colors of its own."""
+        def colors(layer):
+            self.succeed("render", "--scene", "straight_penumbra", "--light", "panel", *SIZE, "--technique", "denoised_rays",
+                         "--debug", layer, "--out", layer)
+            picture = read_png(self.dir / layer / f"{layer}.png")
+            return {picture.at(x, y) for x in range(160) for y in range(90)}
+
+        self.assertGreater(len(colors("residual_noise")), 20)
+        self.assertLessEqual(len(colors("stale_history")), 2)  # no difference, and pixels that do not face the light
 
     def render_sun(self, scene, out):
         """The mask, which holds no date: equal bytes are equal pixels. A filtered map has values between 0 and 1."""

@@ -125,6 +125,16 @@ class Comparing(ViewerTest):
         viewer.press("v")
         self.assertIsNone(viewer.save().window["curve"])
 
+    def test_causes_of_a_techniques_own_are_those_of_a_row(self):
+        viewer = self.view_scene("--light", "panel", "--technique", "denoised_rays")
+        viewer.press("1", "9")
+        saved = viewer.save()
+        found = colors_of(saved.picture)
+        # residual_noise in the place of the common causes, false_sample and noise.
+        self.assertGreater(found.count((0, 180, 204)), 10)
+        for common in ((139, 178, 133), (200, 226, 242)):
+            self.assertNotIn(common, found)
+
     def test_a_save_that_comes_with_a_click_shows_what_was_clicked(self):
         viewer = self.view_scene("--light", "panel", "--technique", "center_ray")
         viewer.press("1", "6")

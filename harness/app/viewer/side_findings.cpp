@@ -124,8 +124,12 @@ void SideLane::find_causes_of(const std::shared_ptr<const Verdict>& verdict,
   const About& about = registry().technique(loaded_->technique).about;
   if (lights[0]->on_mesh && about.sees == Truth::mesh) right = right_on_mesh(frame, lights);
   std::vector<std::vector<Cause>> causes(lights.size());
+  bool has_terms = false;
   const bool is_done = causes_.run(ticket, [&] {
     for (std::size_t k = 0; k < lights.size(); ++k) {
+      // A technique that gives parts of its error names causes by them.
+      const ErrorParts terms = Call(*this, "causes")->error_terms(share_of(*lights[k], verdict->estimates), k);
+      has_terms = has_terms || !terms.causes.empty();
       Reference reference{lights[k]->mask, lights[k]->classes, lights[k]->nearest_caster, lights[k]};
       const Light& light = frame.all_lights()[k];
       reference.kind = answer_kind(frame.scene(light), light);
@@ -150,6 +154,9 @@ void SideLane::find_causes_of(const std::shared_ptr<const Verdict>& verdict,
   complete->reference = truth;
   change([&](SideState& s) {
     if (s.verdict == verdict) s.verdict = complete;
+    // Layer and picked pixel were looked at before the parts of the error were known.
+    if (has_terms) s.layer = nullptr;
+    if (has_terms) s.explained_answer = nullptr;
     s.words = support_.why();
   });
 }
