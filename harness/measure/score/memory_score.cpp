@@ -1,5 +1,6 @@
 #include "measure/score/memory_score.h"
 
+#include <algorithm>
 #include <numeric>
 
 namespace gnomon {
@@ -10,7 +11,9 @@ GhostTimes ghost_times(std::span<const double> errors, double settled) {
     return found == errors.end() ? std::nullopt : std::optional(static_cast<double>(found - errors.begin()));
   };
   if (errors.empty()) return {};
-  return {.half_life = first_at_most(settled + (errors.front() - settled) / 2), .frames = first_at_most(1.1 * settled)};
+  // Where the jump adds nothing, half of that is gone at once.
+  const double added = std::max(errors.front() - settled, 0.0);
+  return {.half_life = first_at_most(settled + added / 2), .frames = first_at_most(1.1 * settled)};
 }
 
 void MemoryScore::add_still(int number, std::optional<double> error) {

@@ -34,6 +34,10 @@ TEST(memory_score, no_ghost_where_nothing_is_added) {
   EXPECT_EQ(times.half_life, 0);
   EXPECT_EQ(times.frames, 0);
   EXPECT_EQ(ghost_times({}, 0.01).half_life, std::nullopt);
+  // Less than before, and so it stays.
+  const std::vector<double> less(8, 0.009);
+  EXPECT_EQ(ghost_times(less, 0.01).half_life, 0);
+  EXPECT_EQ(ghost_times(less, 0.01).frames, 0);
 }
 
 MemoryScore with_stills() {
