@@ -112,8 +112,8 @@ class TriangleMap final : public FittedMap {
     const std::int64_t bytes = 4 * side * side * images * length;
     if (bytes > most_entry_bytes)
       return Support::unsupported(
-          fmt::format("lists of {} triangles for {} x {} x {} texels take {} MiB; {} MiB are the most that fit", length, images,
-                      side, side, bytes >> 20, most_entry_bytes >> 20));
+          fmt::format("lists of {} triangle{} for {} x {} x {} texels take {} MiB; {} MiB are the most that fit", length,
+                      length == 1 ? "" : "s", images, side, side, bytes >> 20, most_entry_bytes >> 20));
     std::size_t vertices = 0, triangles = 0;
     for (const Mesh& mesh : scene.meshes) {
       vertices += mesh.positions.size();

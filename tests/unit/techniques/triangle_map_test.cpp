@@ -179,6 +179,8 @@ TEST_F(TriangleMap, lists_that_are_too_large_are_unsupported) {
   const Support refused = supports("resolution=8192", sun);
   EXPECT_EQ(refused.kind(), Support::Kind::unsupported);
   EXPECT_EQ(refused.why(), "lists of 8 triangles for 1 x 8192 x 8192 texels take 2048 MiB; 1024 MiB are the most that fit");
+  EXPECT_EQ(supports("resolution=8192,list_length=1", point).why(),
+            "lists of 1 triangle for 6 x 8192 x 8192 texels take 1536 MiB; 1024 MiB are the most that fit");
 }
 
 TEST_F(TriangleMap, after_an_update_it_answers_as_after_a_build) {
