@@ -13,7 +13,7 @@ import unittest
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
-from program import HARD, PATIENCE, SMALL, ProgramTest  # noqa: E402
+from program import HARD, NUMBERS, PATIENCE, SMALL, ProgramTest  # noqa: E402
 
 RUN = ["run", *HARD, "--scene", "single_triangle", "--scene", "soup:count=50", "--technique", "unshadowed", "--technique", "shadow_map",
        "--processes", "2", "--repetitions", "2", "--size", "160x90", "--out", "out"]
@@ -91,6 +91,16 @@ class Terminal(ProgramTest):
                 body = [line for line in table if line.startswith(("unshadowed", "shadow_map", "technique", "---"))]
                 self.assertGreaterEqual(len(body), 10)
                 self.assertLessEqual(max(map(len, body)), columns)
+
+    def test_the_table_of_a_scene_that_moves_fits_a_narrow_terminal(self):
+        self.succeed("run", "--scene", "jumping_boxes:count=3", "--animation", "jump", "--frames", "3", "--light", "panel", *NUMBERS,
+                     "--technique", "denoised_rays:memory=accumulate", "--technique", "denoised_rays", "--out", "out")
+        table = self.on_terminal(80, "table", "out").split("\n")
+        body = [line for line in table if line.startswith(("denoised_rays", "technique", "---"))]
+        self.assertEqual(len(body), 4)
+        self.assertLessEqual(max(map(len, body)), 80)
+        self.assertIn("motion", body[0])
+        self.assertIn("floor", body[0])
 
     def test_a_terminal_for_progress_and_a_file_for_the_table(self):
         with open(self.dir / "stdout", "w") as stdout:

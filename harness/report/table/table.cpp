@@ -36,7 +36,8 @@ constexpr std::string_view dispensable[] = {"displacement_p95",
                                             "silhouette_share",
                                             "grazing_share",
                                             "false_lit_rate",
-                                            "false_dark_rate"};
+                                            "false_dark_rate",
+                                            "update_ms"};
 
 /// The rows of one kind of answer, and the lines below their table that say where they were made.
 struct Part {
