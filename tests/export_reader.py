@@ -63,6 +63,7 @@ class Evidence:
     position: np.ndarray  # height x width x 3
     normal: np.ndarray
     mesh: np.ndarray  # -1: background
+    triangle: np.ndarray
     view: dict  # these three in the words of a scene file, numbers as float32
     light: dict
     scene: dict
@@ -96,11 +97,11 @@ def read_evidence(folder, light_name, mask, estimates=None):
         return numbers.astype(float if numbers.dtype.kind == "f" else np.int32)
 
     reference = {name: array(entry) for name, entry in light["reference"].items()}
-    position, normal, mesh = (array(frame["gbuffer"][name]) for name in ("position", "normal", "mesh"))
+    position, normal, mesh, triangle = (array(frame["gbuffer"][name]) for name in ("position", "normal", "mesh", "triangle"))
     vertices, triangles, mesh_of_triangle = (array(scene["arrays"][name]) for name in ("position", "triangle", "mesh"))
     area = [reference.get(name) for name in ("visibility", "error", "half")]
     irradiance = [reference.get(name) for name in ("irradiance", "irradiance_error", "irradiance_half")]
     (right, error, half), (other, *_) = (irradiance, area) if estimates == "irradiance" else (area, irradiance)
     return Evidence(mask=mask, reference=right, error=error, half=half, other=other, classes=reference["class"],
-                    position=np.moveaxis(position, 0, -1), normal=np.moveaxis(normal, 0, -1), mesh=mesh, view=frame["view"],
-                    light=light, scene=scene, corners=vertices[triangles], mesh_of_triangle=mesh_of_triangle)
+                    position=np.moveaxis(position, 0, -1), normal=np.moveaxis(normal, 0, -1), mesh=mesh, triangle=triangle,
+                    view=frame["view"], light=light, scene=scene, corners=vertices[triangles], mesh_of_triangle=mesh_of_triangle)

@@ -6,7 +6,9 @@
 import math
 
 import numpy as np
-from metrics_again import root_mean_square, share
+from metrics_again import eye_rays, root_mean_square, share
+
+LAGS = (("flicker_1_60", 1), ("flicker_1_15", 4), ("flicker_1_4", 15))  # sixtieths of a second
 
 
 def side_changes(values, linked):
@@ -37,13 +39,16 @@ def late_and_false(ours, theirs, linked, window):
 
 
 def over_time(frames, frame_rate):
-    """Every metric of a row that its frames have together. Pixels are compared while they show one surface point and are T."""
+    """Every metric of a row that its frames have together, where the camera stands still.
+
+    Pixels are compared while they show one surface point and are T.
+    """
     mask, reference, tested = (np.array([getattr(frame, of) for frame in frames]) for of in ("mask", "reference", "tested"))
     point = np.array([np.dstack([frame.position, frame.mesh]) for frame in frames])
     linked = (point[1:] == point[:-1]).all(axis=-1) & tested[1:] & tested[:-1]
     error, throughout = mask - reference, linked.all(axis=0)
     found = {}
-    for name, sixtieths in (("flicker_1_60", 1), ("flicker_1_15", 4), ("flicker_1_4", 15)):
+    for name, sixtieths in LAGS:
         lag = int(sixtieths * frame_rate / 60)
         changes = [(error[t + lag] - error[t])[linked[t:t + lag].all(axis=0)] for t in range(len(frames) - lag)]
         is_defined = frame_rate % 60 == 0 and sum(map(len, changes)) > 0
@@ -54,3 +59,45 @@ def over_time(frames, frame_rate):
     pixel_seconds = linked.sum() / frame_rate
     return found | {"late_flips": share(late, pixel_seconds), "false_flips": share(false, pixel_seconds),
                     "steady_share": share(throughout.sum(), tested[0].sum())}
+
+
+def shown_before(now, before):
+    """Which pixels of a frame are compared with one of an earlier frame of another camera, and the row and column of that one.
+
+    It is the pixel whose center is the nearest to where the point P is in the earlier picture. Both are T and show one triangle, the earlier eye is
+    on the side of P's normal, and the earlier pixel's point is within the width of a pixel of the plane through P.
+    """
+    eye, rays, side = eye_rays(before, 0, 0)
+    height, width = before.mesh.shape
+    across, down = rays[0, -1] - rays[0, 0], rays[-1, 0] - rays[0, 0]
+    forward = rays.mean(axis=(0, 1))
+    away = now.position - eye
+    depth = away @ forward
+    with np.errstate(divide="ignore", invalid="ignore"):
+        x = np.floor(away @ across / np.linalg.norm(across) / depth / side + width / 2)
+        y = np.floor(away @ down / np.linalg.norm(down) / depth / side + height / 2)
+    inside = (depth > 0) & (x >= 0) & (x < width) & (y >= 0) & (y < height)
+    q = tuple(np.where(inside, at, 0).astype(int) for at in (y, x))
+    to_plane = np.abs((now.normal * (before.position[q] - now.position)).sum(axis=-1))
+    found = inside & now.tested & before.tested[q] & (now.mesh == before.mesh[q]) & (now.triangle == before.triangle[q])
+    return found & ((now.normal * away).sum(axis=-1) < 0) & (to_plane <= side * depth), q
+
+
+def over_time_of_camera(frames, frame_rate):
+    """The same where the camera moves: flicker, and the share of pixels that it compares at the shortest lag."""
+    found = dict.fromkeys(over_time(frames[:1], frame_rate), math.nan)
+    if frame_rate % 60:
+        return found
+    error = [frame.mask - frame.reference for frame in frames]
+    for name, sixtieths in LAGS:
+        lag = int(sixtieths * frame_rate / 60)
+        changes, tested = [np.empty(0)], 0
+        for t in range(lag, len(frames)):
+            compared, q = shown_before(frames[t], frames[t - lag])
+            changes.append((error[t] - error[t - lag][q])[compared])
+            tested += frames[t].tested.sum()
+        every = np.concatenate(changes)
+        found[name] = root_mean_square(every) if every.size else math.nan
+        if sixtieths == 1:
+            found["steady_share"] = share(every.size, tested)
+    return found

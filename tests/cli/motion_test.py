@@ -56,6 +56,8 @@ class Motion(ProgramTest):
             self.assertEqual(reference["frames"]["instability"][0], None)
             self.assertEqual(set(reference["frames"]["instability"][1:]), {0})
             self.assertEqual(reference["metrics"]["shape"]["instability"], 0)
+            self.assertEqual([reference["metrics"]["shape"][f"flicker_1_{part}"] for part in (60, 15, 4)], [0, 0, 0])
+            self.assertGreater(shadow_map["metrics"]["shape"]["flicker_1_60"], 0)
             rates = shadow_map["frames"]["wrong_rate"]
             self.assertEqual(len(rates), 16)
             self.assertAlmostEqual(sum(rates) / 16, shadow_map["metrics"]["shape"]["wrong_rate"], places=12)

@@ -30,10 +30,10 @@ bool is_right(const Evidence& evidence, std::size_t i) {
   return std::abs(evidence.mask[i] - evidence.reference[i]) <= 4 * evidence.reference_error[i];
 }
 
-/// Nothing where the camera moves: no pixel then shows one surface point for two frames.
+/// Of a row on a path.
 std::optional<TimeScore> time_score(const std::optional<Path>& path) {
-  if (!path || path->moves == Path::Moves::camera) return std::nullopt;
-  return TimeScore(path->frame_count, path->frame_rate);
+  if (!path) return std::nullopt;
+  return TimeScore(path->frame_count, path->frame_rate, path->moves);
 }
 
 /// Measures a row frame by frame.
@@ -241,7 +241,7 @@ std::optional<MeasuredRow> measure(Record& record, SceneRun& run, ContenderWorke
   worker.note_gl(record);
   if (first.global_samples > 0)
     if (const auto why = untraceable_light(run.scene)) record.notes.push_back(fmt::format("no radiosity_error: {}", *why));
-  if (first.path && first.path->moves != Path::Moves::camera)
+  if (first.path)
     if (const std::string why = flicker_obstacle(first.path->frame_rate); !why.empty())
       record.notes.push_back(fmt::format("no flicker: {}", why));
   // What a row counts does not depend on the rows before it, which leave updates behind.

@@ -176,12 +176,14 @@ constexpr MetricInfo metric_rows[] = {
      instability, MetricInfo::Of::two_frames},
     {"flicker_1_60", "", "lower",
      "Root mean square of e(t + 1/60 s) - e(t) with e = V - V_ref, over the frames of a row on a path, at the pixels that show "
-     "one surface point and are T from t to t + 1/60 s. Needs a camera that stands still, and frames at a multiple of 60 Hz.",
+     "one surface point and are T from t to t + 1/60 s. Where the camera moves, e(t) is that of the pixel nearest to it. "
+     "Needs frames at a multiple of 60 Hz. A mask that never changes has little of it: read it beside error.",
      nullptr, MetricInfo::Of::row},
     {"flicker_1_15", "", "lower", "The same of e(t + 1/15 s) - e(t).", nullptr, MetricInfo::Of::row},
     {"flicker_1_4", "", "lower", "The same of e(t + 1/4 s) - e(t).", nullptr, MetricInfo::Of::row},
     {"temporal_sd", "", "lower",
-     "Root mean, over the pixels that show one surface point and are T in all frames, of the variance of V - V_ref over time.",
+     "Root mean, over the pixels that show one surface point and are T in all frames, of the variance of V - V_ref over time. "
+     "Needs a camera that stands still, as do flips.",
      nullptr, MetricInfo::Of::row},
     {"false_flips", "1/s", "lower",
      "Flips per second and pixel: V crosses 1/2 between two frames, and V_ref crosses it the same way in no frame within 0.1 s.",
@@ -189,7 +191,8 @@ constexpr MetricInfo metric_rows[] = {
     {"late_flips", "1/s", "lower", "Flips per second and pixel that V_ref has in another frame within 0.1 s, before or after.",
      nullptr, MetricInfo::Of::row},
     {"steady_share", "", "",
-     "Share of the pixels of T in the first frame of a row on a path that show the same surface point and are T in all its frames.",
+     "Share of the pixels of T in the first frame of a row on a path that show the same surface point and are T in all its "
+     "frames. Where the camera moves: share of the pixels of T that flicker_1_60 compares with an earlier one.",
      nullptr, MetricInfo::Of::row},
     {"penumbra_error_mean", "", "lower",
      "Mean of the absolute difference from the reference over T in the penumbra band: within 2 px of 0.02 < V < 0.98.",

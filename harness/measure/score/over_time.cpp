@@ -32,7 +32,8 @@ void SteadyPixels::add(const Evidence& now) {
   if (frames_++ == 0) tested_at_first_ = static_cast<std::size_t>(std::ranges::count(now.classes, PixelClass::T));
 }
 
-TimeScore::TimeScore(int frames, double frame_rate) : frames_(frames), frame_rate_(frame_rate) {
+TimeScore::TimeScore(int frames, double frame_rate, Path::Moves moves)
+    : frames_(frames), frame_rate_(frame_rate), moves_(moves) {
   assert(frames > 0 && frame_rate > 0);
   const bool is_defined = flicker_obstacle(frame_rate).empty();
   auto flicker = flicker_.begin();
@@ -40,33 +41,47 @@ TimeScore::TimeScore(int frames, double frame_rate) : frames_(frames), frame_rat
     const double lag = metric.sixtieths * (frame_rate / lags_per_second);
     *flicker++ = {.metric = metric.name, .lag = is_defined && lag < frames ? static_cast<std::size_t>(lag) : 0};
   }
+  if (follows_camera()) views_.emplace(frames_kept());
 }
+
+std::size_t TimeScore::frames_kept() const { return std::ranges::max(flicker_, {}, &Flicker::lag).lag + 1; }
 
 void TimeScore::add(const Evidence& now) {
   if (!now.channels.empty()) {
-    if (channels_.empty()) channels_.assign(std::size(now.channels), TimeScore(frames_, frame_rate_));
+    if (channels_.empty()) channels_.assign(std::size(now.channels), TimeScore(frames_, frame_rate_, moves_));
     assert(std::size(channels_) == std::size(now.channels));
     for (std::size_t k = 0; k < std::size(channels_); ++k) channels_[k].add(now.channels[k]);
     return;
   }
-  steady_.add(now);
+  ++added_;
+  if (!follows_camera()) steady_.add(now);
   add_flicker(now);
+  if (follows_camera()) return;
   add_moments(now);
   flips_.add(now.mask, now.reference, steady_.ages());
 }
 
+std::optional<std::size_t> TimeScore::compared(const Evidence& now, std::size_t i, std::size_t lag) const {
+  if (views_) return views_->pixel_of(now, i, lag);
+  return steady_.ages()[i] > lag ? std::optional(i) : std::nullopt;
+}
+
 void TimeScore::add_flicker(const Evidence& now) {
-  const std::size_t frame = steady_.frames() - 1, kept = std::ranges::max(flicker_, {}, &Flicker::lag).lag + 1;
+  const std::size_t frame = added_ - 1, kept = frames_kept();
   if (kept == 1) return;
+  if (views_) views_->add(now);
   if (std::size(errors_) < kept) errors_.emplace_back(std::size(now.mask));
   std::vector<float>& errors = errors_[frame % kept];
   for (std::size_t i = 0; i < std::size(errors); ++i) errors[i] = static_cast<float>(error_of(now, i));
+  const auto tested = static_cast<std::uint64_t>(std::ranges::count(now.classes, PixelClass::T));
   for (Flicker& flicker : flicker_) {
     if (flicker.lag == 0 || frame < flicker.lag) continue;
     const std::vector<float>& before = errors_[(frame - flicker.lag) % kept];
+    flicker.tested += tested;
     for (std::size_t i = 0; i < std::size(errors); ++i) {
-      if (steady_.ages()[i] <= flicker.lag) continue;
-      const double change = static_cast<double>(errors[i]) - before[i];
+      const std::optional<std::size_t> q = compared(now, i, flicker.lag);
+      if (!q) continue;
+      const double change = static_cast<double>(errors[i]) - before[*q];
       flicker.squares += change * change;
       ++flicker.count;
     }
@@ -97,23 +112,38 @@ std::optional<double> TimeScore::temporal_sd() const {
   return std::sqrt(squares / (pixels * static_cast<double>(steady_.frames())));
 }
 
-Metrics TimeScore::metrics() const {
-  Metrics metrics = no_metrics_over_time();
-  if (!channels_.empty()) {
-    std::vector<Metrics> channels;
-    for (const TimeScore& channel : channels_) channels.push_back(channel.metrics());
-    for (auto& [metric, mean] : metrics) {
-      mean = 0;
-      for (const Metrics& channel : channels)
-        mean = mean && channel.at(metric) ? std::optional(*mean + *channel.at(metric)) : std::nullopt;
-      if (mean) *mean /= static_cast<double>(std::size(channels));
-    }
-    return metrics;
+std::optional<double> TimeScore::steady_share() const {
+  if (follows_camera()) {
+    const Flicker& shortest = flicker_.front();
+    if (shortest.tested == 0) return std::nullopt;
+    return static_cast<double>(shortest.count) / static_cast<double>(shortest.tested);
   }
-  if (steady_.frames() == 0) return metrics;
+  if (steady_.tested_at_first() == 0) return std::nullopt;
+  return steady_count() / static_cast<double>(steady_.tested_at_first());
+}
+
+Metrics TimeScore::mean_of_channels() const {
+  Metrics metrics = no_metrics_over_time();
+  std::vector<Metrics> channels;
+  for (const TimeScore& channel : channels_) channels.push_back(channel.metrics());
+  for (auto& [metric, mean] : metrics) {
+    mean = 0;
+    for (const Metrics& channel : channels)
+      mean = mean && channel.at(metric) ? std::optional(*mean + *channel.at(metric)) : std::nullopt;
+    if (mean) *mean /= static_cast<double>(std::size(channels));
+  }
+  return metrics;
+}
+
+Metrics TimeScore::metrics() const {
+  if (!channels_.empty()) return mean_of_channels();
+  Metrics metrics = no_metrics_over_time();
+  if (added_ == 0) return metrics;
   const auto put = [&](std::string_view metric, std::optional<double> value) { metrics.find(metric)->second = value; };
   for (const Flicker& flicker : flicker_)
     if (flicker.count > 0) put(flicker.metric, std::sqrt(flicker.squares / static_cast<double>(flicker.count)));
+  put("steady_share", steady_share());
+  if (follows_camera()) return metrics;
   put("temporal_sd", temporal_sd());
   const Flips::Counts flips =
       flips_.count(static_cast<std::size_t>(std::min<double>(frame_rate_ / matches_per_second, frames_)));
@@ -122,7 +152,6 @@ Metrics TimeScore::metrics() const {
     put("false_flips", static_cast<double>(flips.unmatched) / pixel_seconds);
     put("late_flips", static_cast<double>(flips.late) / pixel_seconds);
   }
-  if (steady_.tested_at_first() > 0) put("steady_share", steady_count() / static_cast<double>(steady_.tested_at_first()));
   return metrics;
 }
 

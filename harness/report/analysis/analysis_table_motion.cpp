@@ -22,19 +22,23 @@ Layout over_time_table(const std::vector<PathErrors>& motions) {
   table.title = "Along paths: errors over time";
   table.columns = place_columns();
   table.columns.push_back(text_column("setting", "technique"));
+  table.columns.push_back(quantity_column("error"));  // a mask that never changes has no flicker
   add_over_time_columns(table);
   std::vector<PathErrors> shown;
   std::ranges::copy_if(motions, std::back_inserter(shown), &PathErrors::has_over_time);
   add_groups(table, shown, place_of_motion, [](const PathErrors& motion) {
     Cells cells = place_cells(place_of_motion(motion));
     cells.push_back(text_cell(setting_name(*motion.record)));
+    const std::optional<double> error = motion.record->metric("error");
+    cells.push_back(error ? Cell{.value = *error} : Cell{});
     add_over_time_cells(cells, motion);
     return cells;
   });
   table.notes = {
       "flicker: root mean square of what the error changes by in 1/60, 1/15 and 1/4 s; temporal sd: its standard deviation",
       "flips per second and pixel: false: the reference does not flip that way within 0.1 s; late: it does, in another frame",
-      "steady: share of the pixels tested in the first frame that show one surface point and are tested in all frames"};
+      "steady: share of the pixels tested in the first frame that show one surface point and are tested in all frames; where "
+      "the camera moves, share of the tested pixels that flicker 1/60 compares"};
   return table;
 }
 

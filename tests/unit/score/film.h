@@ -43,8 +43,8 @@ inline Film blank(std::size_t frames, int width, int height) {
   return film;
 }
 
-inline Metrics score(const Film& film, double frame_rate) {
-  TimeScore score(std::max(1, static_cast<int>(film.size())), frame_rate);
+inline Metrics score(const Film& film, double frame_rate, Path::Moves moves = Path::Moves::light) {
+  TimeScore score(std::max(1, static_cast<int>(film.size())), frame_rate, moves);
   for (const Frame& frame : film) score.add(frame.evidence());
   return score.metrics();
 }

@@ -25,7 +25,7 @@ double value(const Metrics& metrics, std::string_view name) {
 template <class Draw>
 Metrics score_of(int width, int height, double frame_rate, double seconds, const Draw& draw) {
   const int frames = static_cast<int>(std::lround(seconds * frame_rate)) + 1;
-  TimeScore score(frames, frame_rate);
+  TimeScore score(frames, frame_rate, Path::Moves::light);
   Frame frame(width, height);
   for (int t = 0; t < frames; ++t) {
     draw(frame, t / frame_rate);
@@ -238,7 +238,7 @@ TEST(over_time, nothing_tested_leaves_all_undefined) {
 TEST(over_time, of_channels_is_the_mean_over_them) {
   const Film red = off_by([](std::size_t, std::size_t t) { return static_cast<float>(t % 2) / 8; });
   const Film blue = off_by([](std::size_t, std::size_t t) { return static_cast<float>(t % 2) / 16; });
-  TimeScore score(20, 60);
+  TimeScore score(20, 60, Path::Moves::light);
   for (std::size_t t = 0; t < red.size(); ++t) {
     Evidence whole = red[t].evidence();
     whole.channels = {red[t].evidence(), blue[t].evidence()};
