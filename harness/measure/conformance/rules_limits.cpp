@@ -64,6 +64,7 @@ GlLimits used_limits() {
       glGetTextureLevelParameteriv(name, 0, what, &value);
       return value;
     };
+    if (side(GL_TEXTURE_BUFFER_DATA_STORE_BINDING) != 0) continue;  // a buffer's texels have a limit of their own
     raise(used.texture_size, std::max(side(GL_TEXTURE_WIDTH), side(GL_TEXTURE_HEIGHT)));
     raise(used.texture_layers, side(GL_TEXTURE_DEPTH));
   }
