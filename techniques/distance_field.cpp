@@ -9,6 +9,7 @@
 #include <atomic>
 
 #include "distance_field/explaining.h"
+#include "distance_field/sheets.h"
 #include "distance_field/ways.h"
 
 namespace {
@@ -31,7 +32,7 @@ constexpr About about{
     .fails =
         "Fences, leaves and open sheets: thinner than a voxel, and under a light with area without an umbra, because the way "
         "out of a thin caster is short. Casters beside one another before a light, of which the nearest counts alone; small "
-        "ones, which hide no half of it.",
+        "ones, which hide no half of it. Where an open caster may hide the light it promises a mean error of at most a half.",
     .causes = causes,
     .named_only = true};
 
@@ -49,7 +50,11 @@ class DistanceField final : public Technique {
                                               resolution.value(), bytes >> 20, most_bytes >> 20));
     if (!has_area(light))
       return Support::approximate("a grid of distances stands for each caster: what is thinner than a voxel is lost");
-    return Support::approximate("the nearest caster counts alone, as if its outline were straight and the light a disc");
+    const char* const why = "the nearest caster counts alone, as if its outline were straight and the light a disc";
+    const Mesh* const sheet = set_formula() == Formula::ratio ? nullptr : sheet_in(scene, homogeneous_of_center(light));
+    if (!sheet) return Support::approximate(why);
+    return Support::approximate(fmt::format("{}; {} is open, and what is as thin has no umbra", why, sheet->name),
+                                {.most_wrong = 0.5});
   }
   void setup() override {}
   void build(const Scene& scene) override {

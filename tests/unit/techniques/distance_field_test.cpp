@@ -230,6 +230,37 @@ TEST(DistanceField, fields_of_what_moved_are_those_of_a_build) {
   }
 }
 
+// The card of 2 m is a plate one voxel of 1/32 m thick, so the way out of it is at most 1/64 m. The cone's radius is 0.4 m
+// where it meets the card: s is -0.04 or more, and the disc's share 1/2 - 0.04 * 2 / pi > 0.47.
+TEST(DistanceField, a_sheet_leaves_half_of_the_light_and_the_support_promises_no_more) {
+  Registry registry;
+  gnomon_technique_distance_field(registry);
+  const auto technique = registry.techniques()[0].make();
+  Mesh card = hand_made::square(1, 1);
+  card.name = "card";
+  const Light light = disc({0, 100, 0}, {0, -1, 0}, 40), hard = hand_made::point_light({0, 100, 0});
+  Scene scene;
+  scene.meshes = {small_world::ground(8), small_world::box({-1, 0.5f, -1}, {1, 1.5f, 1})};
+  EXPECT_EQ(technique->supports(scene, light, {}).most_wrong(), std::nullopt);  // the ground hides no light
+  scene.meshes = {small_world::ground(8), card};
+  const Support support = technique->supports(scene, light, {});
+  EXPECT_EQ(support.most_wrong(), 0.5);
+  EXPECT_NE(support.why().find("card is open"), std::string::npos) << support.why();
+  EXPECT_EQ(technique->supports(scene, hard, {}).most_wrong(), std::nullopt);
+  // Below the ground of another: that one is in the way.
+  scene.meshes = {small_world::ground(8), small_world::box({-1, -1.5f, -1}, {1, -0.5f, 1})};
+  EXPECT_EQ(technique->supports(scene, light, {}).most_wrong(), 0.5);
+  technique->apply("formula=ratio");
+  EXPECT_EQ(technique->supports(scene, light, {}).most_wrong(), std::nullopt);
+
+  scene = over_ground({card});
+  const Told below = at(scene, light, {0, 0, 0});
+  EXPECT_GT(below.answer, 0.47f);
+  EXPECT_LE(below.answer, 0.5f);
+  EXPECT_EQ(below.why.cause, "thin_caster");
+  EXPECT_EQ(at(scene, light, {0, 0, 0}, "formula=ratio").answer, 0);
+}
+
 TEST(DistanceField, colors_of_its_causes_are_told_apart_and_large_scenes_are_refused_with_their_size) {
   Registry registry;
   gnomon_technique_distance_field(registry);
