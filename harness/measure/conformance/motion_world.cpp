@@ -4,24 +4,14 @@
 #include <gnomon/kit/rays/gbuffer_maker.h>
 
 #include <cmath>
-#include <initializer_list>
 #include <memory>
 
 #include "measure/conformance/trial.h"
 #include "measure/conformance/world.h"
 
 namespace gnomon::conformance {
-namespace {
 
-using Property = Track::Property;
-
-/// Of a track: seconds and the numbers of its value.
-struct Key {
-  double seconds;
-  std::vector<double> values;
-};
-
-void add_track(Motion& motion, std::uint32_t node, Property property, std::initializer_list<Key> keys) {
+void add_track(Motion& motion, std::uint32_t node, Track::Property property, const std::vector<Key>& keys) {
   Track track{node, property, Track::Interpolation::linear, {}, {}};
   for (const Key& key : keys) {
     track.times.push_back(key.seconds);
@@ -30,7 +20,6 @@ void add_track(Motion& motion, std::uint32_t node, Property property, std::initi
   motion.animations[0].tracks.push_back(std::move(track));
 }
 
-/// Adds a mesh that a new node places; at rest it is `at`. Answers the node.
 std::uint32_t add_placed(Scene& scene, Motion& motion, Mesh mesh, const glm::vec3& at) {
   const auto node = static_cast<std::uint32_t>(motion.nodes.size());
   motion.nodes.emplace_back();
@@ -45,6 +34,10 @@ std::uint32_t add_placed(Scene& scene, Motion& motion, Mesh mesh, const glm::vec
   scene.meshes.push_back(std::move(mesh));
   return node;
 }
+
+namespace {
+
+using Property = Track::Property;
 
 Mesh box(const std::string& name, const glm::vec3& half) {
   return tessellate(Box{.min = -half, .max = half}, default_segments, name);
@@ -189,18 +182,39 @@ GBuffer MovingWorld::gbuffer(const View& view) const {
   return make_gbuffer(scene_, seen, view, 48 / part_, 27 / part_, truth_);
 }
 
-std::vector<bool> MovingWorld::tested(const Light& light) {
+World::Truthful MovingWorld::reference(const Light& light, LightShareKind estimates) {
   if (!frames_) {
     posed_.go_to(std::nullopt);
     frames_.emplace(frames_of(scene_));
     posed_.go_to(row_pose());
   }
   const GBuffer& seen = gbuffer();
-  const FrameKey key{seen.view, seen.width, seen.height, truth_, WantedPose{row_pose(), posed_.hash()}};
-  const Reference reference = frames_->reference(key, light);
+  return truthful(
+      frames_->reference({seen.view, seen.width, seen.height, truth_, WantedPose{row_pose(), posed_.hash()}}, light), light,
+      estimates);
+}
+
+std::vector<bool> MovingWorld::tested(const Light& light) {
   std::vector<bool> result;
-  for (const PixelClass c : reference.classes) result.push_back(c == PixelClass::T);
+  for (const PixelClass c : reference(light).classes) result.push_back(c == PixelClass::T);
   return result;
+}
+
+void Equality::expect(const std::vector<float>& a, const std::vector<float>& b, const std::string& when) const {
+  const double allowed = trial_.entry().about.update_error;
+  const GBuffer& gbuffer = world_.gbuffer();
+  if (allowed == 0 || a.size() != b.size()) return trial_.expect_same(a, b, when, &gbuffer);
+  const std::vector<bool> tested = world_.tested(light_);
+  double sum = 0;
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    if (!tested[i]) continue;
+    sum += std::abs(double(a[i]) - b[i]);
+    ++count;
+  }
+  trial_.expect(sum <= allowed * static_cast<double>(count),
+                fmt::format("{}: the masks differ by {} in the mean over {} tested pixels, more than {}", when,
+                            sum / static_cast<double>(count), count, allowed));
 }
 
 SupportedWorld supported_world(const Trial& trial) {

@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-#include "measure/frame/frame.h"
+#include "measure/conformance/world.h"
 #include "measure/scene/posed_scene.h"
 
 namespace gnomon::conformance {
@@ -44,6 +44,8 @@ class MovingWorld {
   const GBuffer& gbuffer();
   /// The same from another view, made anew.
   GBuffer gbuffer(const View& view) const;
+  /// In the present frame. Under a light with area the share that the technique estimates.
+  World::Truthful reference(const Light& light, LightShareKind estimates = LightShareKind::area);
   /// The pixels of class T in the present frame.
   std::vector<bool> tested(const Light& light);
 
@@ -66,6 +68,29 @@ struct SupportedWorld {
   std::vector<Light> lights;
 };
 SupportedWorld supported_world(const Trial& trial);
+
+/// Where two masks of the present frame must be the same, or as near as the technique states.
+class Equality {
+ public:
+  Equality(Trial& trial, MovingWorld& world, const Light& light) : trial_(trial), world_(world), light_(light) {}
+  /// `when` begins the finding.
+  void expect(const std::vector<float>& a, const std::vector<float>& b, const std::string& when) const;
+
+ private:
+  Trial& trial_;
+  MovingWorld& world_;
+  const Light& light_;
+};
+
+/// Of a track: seconds and the numbers of its value.
+struct Key {
+  double seconds;
+  std::vector<double> values;
+};
+/// Adds a track between whose keys values change evenly to the first animation.
+void add_track(Motion& motion, std::uint32_t node, Track::Property property, const std::vector<Key>& keys);
+/// Adds a mesh that a new node places; at rest it is `at`, and it has no exact shape. Answers the node.
+std::uint32_t add_placed(Scene& scene, Motion& motion, Mesh mesh, const glm::vec3& at);
 
 /// The changes of a scene in which nothing moved.
 Changes no_changes(const Scene& scene);

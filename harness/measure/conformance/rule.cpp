@@ -34,8 +34,9 @@ std::string_view name(AppliesTo applies_to) {
 std::span<const Rule> rules() {
   static const std::vector<Rule> all = [] {
     std::vector<Rule> rules;
-    for (auto* of_file : {about_rules, answer_rules, promise_rules, cause_rules, life_rules, light_rules, neighbor_rules,
-                          limit_rules, scale_rules, memory_rules, motion_rules, sequence_rules, sequence_error_rules})
+    for (auto* of_file :
+         {about_rules, answer_rules, promise_rules, cause_rules, life_rules, light_rules, neighbor_rules, limit_rules,
+          scale_rules, memory_rules, motion_rules, combined_rules, sequence_rules, sequence_error_rules})
       std::ranges::copy(of_file(), std::back_inserter(rules));
     return rules;
   }();

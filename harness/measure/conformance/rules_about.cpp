@@ -5,7 +5,7 @@
 #include <set>
 
 #include "measure/cause/own_causes.h"
-#include "measure/conformance/trial.h"
+#include "measure/conformance/judgement.h"
 #include "measure/scene/load.h"
 
 namespace gnomon::conformance {
@@ -136,27 +136,10 @@ void support_answered(Trial& trial) {
   }
 }
 
-/// Wrong pixels of class T, as the rules `exact` and `better_than_nothing` count them, and what a mask without shadows has.
-struct WrongPixels {
-  std::size_t tested = 0, wrong = 0, dark = 0, first = 0;
-};
-
-WrongPixels wrong_pixels(const std::vector<float>& mask, const World::Truthful& truth, const Technique& technique) {
-  WrongPixels found;
-  for (std::size_t i = 0; i < mask.size(); ++i) {
-    if (truth.classes[i] != PixelClass::T) continue;
-    if (const auto why = technique.explain(i); why && !why->covered) continue;
-    ++found.tested;
-    found.dark += truth.mask[i] < 0.5f;
-    if (std::abs(mask[i] - truth.mask[i]) >= 0.5f && found.wrong++ == 0) found.first = i;
-  }
-  return found;
-}
-
 /// An exact technique is wrong nowhere, one that promises a share keeps it, any other is far better than no shadows.
 void judge_holes(Trial& trial, World& w, const GBuffer& gbuffer, const Light& light, const Technique& technique,
                  const std::vector<float>& mask) {
-  const WrongPixels found = wrong_pixels(mask, w.reference(gbuffer, light, trial.entry().about.estimates), technique);
+  const Tally found = tally(mask, w.reference(gbuffer, light, trial.entry().about.estimates), technique);
   trial.expect(found.dark >= 100, fmt::format("{} dark pixels that it covers: too few to judge by", found.dark));
   const auto promised = trial.support(w.scene, light).most_wrong();
   const std::size_t most = trial.entry().about.promise == Promise::exact ? 0
@@ -165,30 +148,14 @@ void judge_holes(Trial& trial, World& w, const GBuffer& gbuffer, const Light& li
   if (found.wrong > most)
     trial.found(fmt::format("{} of {} tested pixels are wrong, {} without shadows; at most {} may be", found.wrong,
                             found.tested, found.dark, most),
-                found.first, gbuffer);
+                found.first_wrong, gbuffer);
 }
 
-/// An exact technique is off nowhere but by rounding, any other by less than a quarter of what no shadows are off by. What is
-/// approximate has said why.
-void judge_glass(Trial& trial, World& w, const GBuffer& gbuffer, const Light& light, const Technique& technique,
+/// What is approximate has said why.
+void judge_cards(Trial& trial, World& w, const GBuffer& gbuffer, const Light& light, const Technique& technique,
                  const std::vector<float>& mask) {
-  constexpr double most_rounding = 1.0 / 1024;
   if (trial.support(w.scene, light).kind() == Support::Kind::approximate) return;
-  const World::Truthful truth = w.reference(gbuffer, light, trial.entry().about.estimates);
-  double error = 0, unshadowed = 0;
-  for (std::size_t i = 0; i < mask.size(); ++i) {
-    if (truth.classes[i] != PixelClass::T) continue;
-    if (const auto why = technique.explain(i); why && !why->covered) continue;
-    const double off = std::abs(static_cast<double>(mask[i]) - truth.mask[i]);
-    error += off;
-    unshadowed += 1 - static_cast<double>(truth.mask[i]);
-    if (trial.entry().about.promise == Promise::exact && !has_area(light) && off > most_rounding)
-      return trial.found(fmt::format("the mask is {}, the reference {}", mask[i], truth.mask[i]), i, gbuffer);
-  }
-  trial.expect(unshadowed >= 50, fmt::format("shadows that it covers add up to {} pixels: too few to judge by", unshadowed));
-  trial.expect(error < unshadowed / 4,
-               fmt::format("the tested pixels are off by {:.1f} in all, by {:.1f} without shadows; less than a quarter may be",
-                           error, unshadowed));
+  judge_glass(trial, light, technique, mask, w.reference(gbuffer, light, trial.entry().about.estimates), gbuffer, 50);
 }
 
 /// A scene that has a feature, and what is expected of a technique that handles it.
@@ -198,7 +165,7 @@ struct FeatureTrial {
   void (*judge)(Trial&, World&, const GBuffer&, const Light&, const Technique&, const std::vector<float>&);
 };
 constexpr FeatureTrial feature_trials[] = {{Feature::alpha_masks, checkered_card, judge_holes},
-                                           {Feature::transmission, glass_cards, judge_glass}};
+                                           {Feature::transmission, glass_cards, judge_cards}};
 
 void one_feature(Trial& trial, const FeatureTrial& of) {
   const About& about = trial.entry().about;

@@ -15,34 +15,6 @@ namespace {
 constexpr float most_update_error = 1e-5f;
 constexpr std::uint64_t seed = 7;
 
-/// Where two masks of one picture must be the same, or as near as the technique states.
-class Equality {
- public:
-  Equality(Trial& trial, MovingWorld& world, const Light& light) : trial_(trial), world_(world), light_(light) {}
-
-  void expect(const std::vector<float>& a, const std::vector<float>& b, const std::string& when) const {
-    const double allowed = trial_.entry().about.update_error;
-    const GBuffer& gbuffer = world_.gbuffer();
-    if (allowed == 0 || a.size() != b.size()) return trial_.expect_same(a, b, when, &gbuffer);
-    const std::vector<bool> tested = world_.tested(light_);
-    double sum = 0;
-    std::size_t count = 0;
-    for (std::size_t i = 0; i < a.size(); ++i) {
-      if (!tested[i]) continue;
-      sum += std::abs(double(a[i]) - b[i]);
-      ++count;
-    }
-    trial_.expect(sum <= allowed * static_cast<double>(count),
-                  fmt::format("{}: the masks differ by {} in the mean over {} tested pixels, more than {}", when,
-                              sum / static_cast<double>(count), count, allowed));
-  }
-
- private:
-  Trial& trial_;
-  MovingWorld& world_;
-  const Light& light_;
-};
-
 /// Work that a stage counted, without times, which are never the same, memory, and what depends on the shape of a tree.
 std::string work_of(const Technique& technique) {
   std::string text;

@@ -1,35 +1,10 @@
 // Whether a technique keeps its promise, on the pixels of class T and against the truth of the geometry that it sees.
 #include <algorithm>
-#include <cmath>
 
-#include "measure/conformance/trial.h"
-#include "measure/frame/certify_soft.h"
-#include "measure/scene/load.h"
-#include "measure/statistics/distributions.h"
-#include "measure/statistics/statistics.h"
+#include "measure/conformance/judgement.h"
 
 namespace gnomon::conformance {
 namespace {
-
-/// Pixels of class T, all or those that the technique covers, and what is wrong about them.
-struct Tally {
-  std::size_t tested = 0, dark = 0, wrong = 0, first_wrong = 0;
-};
-
-Tally tally(const std::vector<float>& mask, const World::Truthful& truth, const Technique& technique, bool takes_all = false) {
-  Tally t;
-  for (std::size_t i = 0; i < mask.size(); ++i) {
-    if (truth.classes[i] != PixelClass::T) continue;
-    const auto why = technique.explain(i);
-    if (why && !why->covered && !takes_all) continue;
-    ++t.tested;
-    t.dark += truth.mask[i] < 0.5f;
-    // Stricter than a metric: an answer of one half is wrong, also over a dark truth.
-    const bool is_wrong = std::abs(mask[i] - truth.mask[i]) >= 0.5f;
-    if (is_wrong && t.wrong++ == 0) t.first_wrong = i;
-  }
-  return t;
-}
 
 // Zero wrong pixels in every scene, under both lights. With full support every tested pixel must be covered.
 void exact(Trial& trial) {
@@ -45,13 +20,7 @@ void exact(Trial& trial) {
       const std::vector<float> mask = trial.answer(*technique, w->scene, light, gbuffer);
       const World::Truthful truth = w->reference(gbuffer, light);
       const Tally t = tally(mask, truth, *technique);
-      if (t.wrong > 0)
-        trial.found(fmt::format("{} of {} tested pixels are wrong; the mask is {}, the reference {}", t.wrong, t.tested,
-                                mask[t.first_wrong], truth.mask[t.first_wrong]),
-                    t.first_wrong, gbuffer);
-      const std::size_t all = count_classes(truth.classes)[static_cast<std::size_t>(PixelClass::T)];
-      if (support.kind() == Support::Kind::full && t.tested != all)
-        trial.found(fmt::format("its support is full, but it covers {} of {} tested pixels", t.tested, all));
+      judge_exact(trial, support, t, mask, truth, gbuffer);
       tested += t.tested;
       dark += t.dark;
     }
@@ -73,47 +42,14 @@ void exact_soft(Trial& trial) {
       trial.at(light);
       const std::vector<float> mask = trial.fresh_answer(w->scene, light, gbuffer);
       const World::Truthful truth = w->reference(gbuffer, light, trial.entry().about.estimates);
-      std::size_t soft = 0, beyond_4 = 0;
-      for (std::size_t i = 0; i < mask.size(); ++i) {
-        if (truth.classes[i] != PixelClass::T) continue;
-        ++tested;
-        soft += truth.mask[i] > 0 && truth.mask[i] < 1;
-        const float off = std::abs(mask[i] - truth.mask[i]);
-        beyond_4 += off > 4 * truth.error[i];
-        if (!(off <= 12 * truth.error[i]))
-          return trial.found(fmt::format("the mask is {}, the reference {} with a standard error of {}", mask[i], truth.mask[i],
-                                         truth.error[i]),
-                             i, gbuffer);
-      }
-      const auto most = most_by_chance(soft, 2 * student_tail(4, 7), 1e-6);
-      trial.expect(beyond_4 <= most,
-                   fmt::format("{} pixels are more than 4 standard errors off; of {} in penumbrae {} may be by chance",
-                               beyond_4, soft, most));
-      penumbra += soft;
+      const SoftTally found = judge_exact_soft(trial, mask, truth, gbuffer);
+      tested += found.tested;
+      penumbra += found.penumbra;
     }
   }
   trial.at("");
   if (tested == 0) return trial.does_not_apply("it supports no light with area on these scenes");
   trial.expect(penumbra > 1000, fmt::format("{} pixels of penumbrae in all: too few to judge by", penumbra));
-}
-
-/// The error of a sampled technique and of a mask without shadows: a count of wrong pixels, or a sum of errors.
-struct ErrorSums {
-  double technique = 0, unshadowed = 0;
-  double quarter = 0;                 ///< of the latter: the upper limit where nothing is promised
-  std::size_t tested = 0, first = 0;  ///< the first pixel that is wrong, or the worst
-};
-
-void judge_promise(Trial& trial, const Support& support, const ErrorSums& off, std::string_view what, const GBuffer& gbuffer) {
-  const double share = 100.0 / static_cast<double>(std::max<std::size_t>(off.tested, 1));
-  const std::string is =
-      fmt::format("{} {:.3g} %, {:.3g} % without shadows", what, share * off.technique, share * off.unshadowed);
-  if (const auto promised = support.most_wrong()) {
-    if (100 * *promised < share * off.technique)
-      trial.found(fmt::format("{}; it promises at most {:.3g} %", is, 100 * *promised), off.first, gbuffer);
-  } else if (!(off.technique < off.quarter)) {
-    trial.found(fmt::format("{}; it has to be below {:.3g} %, a quarter of that", is, share * off.quarter), off.first, gbuffer);
-  }
 }
 
 void expect_worth(Trial& trial, const Support& support, const ErrorSums& off) {
@@ -139,8 +75,7 @@ void better_than_nothing(Trial& trial) {
       const auto technique = trial.set_up();
       const std::vector<float> mask = trial.answer(*technique, w->scene, light, gbuffer);
       const Tally t = tally(mask, w->reference(gbuffer, light), *technique, support.most_wrong().has_value());
-      const ErrorSums off{static_cast<double>(t.wrong), static_cast<double>(t.dark), static_cast<double>(t.dark / 4), t.tested,
-                          t.first_wrong};
+      const ErrorSums off = wrong_pixels(t);
       judge_promise(trial, support, off, "pixels wrong:", gbuffer);
       if (is_first) expect_worth(trial, support, off);
       tested += t.tested;
@@ -158,18 +93,7 @@ void better_than_nothing_soft(Trial& trial) {
     trial.at(light);
     const std::vector<float> mask = trial.fresh_answer(w->scene, light, gbuffer);
     const World::Truthful truth = w->reference(gbuffer, light, trial.entry().about.estimates);
-    ErrorSums off;
-    float worst = -1;
-    for (std::size_t i = 0; i < mask.size(); ++i) {
-      if (truth.classes[i] != PixelClass::T) continue;
-      const float error = std::abs(mask[i] - truth.mask[i]);
-      if (error > worst) off.first = i;
-      worst = std::max(worst, error);
-      ++off.tested;
-      off.technique += error;
-      off.unshadowed += 1 - truth.mask[i];
-    }
-    off.quarter = off.unshadowed / 4;
+    const ErrorSums off = summed_errors(mask, truth);
     const Support support = trial.support(w->scene, light);
     judge_promise(trial, support, off, "mean error:", gbuffer);
     expect_worth(trial, support, off);

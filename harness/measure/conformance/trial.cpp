@@ -152,17 +152,18 @@ std::vector<Support::Kind> supports(const TechniqueEntry& entry, const std::stri
 
 }  // namespace
 
-std::string with_small_pictures(const TechniqueEntry& entry, const std::string& settings) {
+std::string with_small_pictures(const TechniqueEntry& entry, const std::string& settings, int least) {
   const auto technique = entry.make();
   technique->apply(settings);
   std::vector<std::string> sides;
   for (const Parameter* p : technique->parameters()) {
     const bool is_set = (',' + settings).find(fmt::format(",{}=", p->name())) != std::string::npos;
-    if (p->unit() == "texel" && !is_set && std::stod(p->text()) >= 256) sides.emplace_back(p->name());
+    if (p->unit() == "texel" && !is_set && std::stod(p->text()) >= 2 * least) sides.emplace_back(p->name());
   }
   if (sides.empty()) return technique->settings();
   const std::vector<Support::Kind> wanted = supports(entry, settings);
   for (const int texels : {128, 256, 512}) {
+    if (texels < least) continue;
     for (const std::string& side : sides) technique->apply(fmt::format("{}={}", side, texels));
     if (supports(entry, technique->settings()) == wanted) return technique->settings();
   }

@@ -99,11 +99,11 @@ double counted_bytes(const Counts& counts);
 std::vector<std::string> settings_of(const TechniqueEntry& entry, const std::function<bool(const Parameter&)>& wanted = {});
 /// The settings with 128 texels a side for a picture of the technique's own, such as a map of 1024, unless they set its size:
 /// that is enough for pictures of 96 x 54 pixels, and drawn faster. With 256 or 512 texels, or unchanged, where the technique
-/// would support less.
-std::string with_small_pictures(const TechniqueEntry& entry, const std::string& settings);
+/// would support less, or where `least` is more.
+std::string with_small_pictures(const TechniqueEntry& entry, const std::string& settings, int least = 128);
 
 // The rules of each file.
 std::vector<Rule> about_rules(), answer_rules(), promise_rules(), cause_rules(), life_rules(), light_rules(), neighbor_rules(),
-    limit_rules(), scale_rules(), memory_rules(), motion_rules(), sequence_rules(), sequence_error_rules();
+    limit_rules(), scale_rules(), memory_rules(), motion_rules(), combined_rules(), sequence_rules(), sequence_error_rules();
 
 }  // namespace gnomon::conformance

@@ -107,7 +107,10 @@ GBuffer World::gbuffer(const View& view, int width, int height) const {
 
 World::Truthful World::reference(const GBuffer& gbuffer, const Light& light, LightShareKind estimates) {
   if (!frames_) frames_.emplace(frames_of(scene));
-  const Reference found = frames_->reference({gbuffer.view, gbuffer.width, gbuffer.height, gbuffer.truth}, light);
+  return truthful(frames_->reference({gbuffer.view, gbuffer.width, gbuffer.height, gbuffer.truth}, light), light, estimates);
+}
+
+World::Truthful truthful(const Reference& found, const Light& light, LightShareKind estimates) {
   const auto copy = [](const auto& part) { return std::vector(part.begin(), part.end()); };
   const bool is_area = estimates == LightShareKind::area || !has_area(light);
   return {copy(is_area ? found.mask : found.irradiance), copy(found.classes),

@@ -59,6 +59,9 @@ class World {
   std::optional<FrameStore> frames_;  ///< made with the first reference
 };
 
+/// A copy of what was found, of a light with area the share that the technique estimates.
+World::Truthful truthful(const Reference& found, const Light& light, LightShareKind estimates);
+
 /// The lights of a generated scene, `point` and `sun`, and one of each other kind around the point light.
 std::vector<Light> lights_of_all_kinds(const Scene& scene);
 
