@@ -5,6 +5,7 @@
 // are compared with. Nodes lie in depth-first order and know what to skip, so that a ray needs no stack. The way to one light
 // is much the same for neighboring pixels, and the first hit ends a ray, so children have no order.
 #include <gnomon/kit/counts.h>
+#include <gnomon/kit/geometry/first_triangles.h>
 #include <gnomon/kit/gl/gl_pass.h>
 #include <gnomon/kit/pictures/layers.h>
 #include <gnomon/kit/shared.h>
@@ -124,13 +125,7 @@ class GlRays final : public Technique {
     built_->scene = &scene;
     built_->has_textures = scene.has_alpha_masks() || scene.has_transmission();
     if (built_->has_textures) scene_buffers(scene);
-    std::vector<std::uint32_t> firsts;
-    std::uint32_t count = 0;
-    for (const Mesh& mesh : scene.meshes) {
-      firsts.push_back(count | (mesh.has_curved_shape() ? shape_bit : 0));
-      count += static_cast<std::uint32_t>(mesh.triangles.size());
-    }
-    firsts.push_back(count);
+    const std::vector<std::uint32_t> firsts = first_triangles(scene);
     built_->meshes = Buffer(firsts.data(), firsts.size() * sizeof firsts[0]);
     built_->casters.emplace(scene);
     const bool moves = follows_animation(scene);

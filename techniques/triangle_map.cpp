@@ -7,6 +7,7 @@
 //
 // The test leaves out what Woop, Benthin and Wald add for an edge function of exactly 0, to compute all three in double: it
 // would take away false hits at edges, where float32 is in doubt anyway, and no leak.
+#include <gnomon/kit/geometry/first_triangles.h>
 #include <gnomon/kit/maps/fitted_map.h>
 #include <gnomon/kit/pictures/layers.h>
 #include <gnomon/registry.h>
@@ -44,8 +45,6 @@ constexpr About about{
     .named_only = true};
 
 constexpr std::string_view length_layer = "list";
-/// The bit of a mesh's first triangle that says that it stands for a curved shape.
-constexpr std::uint32_t shape_bit = 0x80000000u;
 /// Bytes that the entries of a light's lists may take: what they take goes into one texture.
 constexpr std::int64_t most_entry_bytes = std::int64_t{1} << 30;
 
@@ -68,13 +67,7 @@ class TriangleMap final : public FittedMap {
   }
   void build(const Scene& scene) override {
     FittedMap::build(scene);
-    std::vector<std::uint32_t> firsts;
-    std::uint32_t count = 0;
-    for (const Mesh& mesh : scene.meshes) {
-      firsts.push_back(count | (mesh.has_curved_shape() ? shape_bit : 0));
-      count += static_cast<std::uint32_t>(mesh.triangles.size());
-    }
-    firsts.push_back(count);
+    const std::vector<std::uint32_t> firsts = first_triangles(scene);
     listed_->meshes = has_lists() ? Buffer(firsts.data(), firsts.size() * sizeof firsts[0]) : Buffer();
   }
   Counts counts() const override {

@@ -29,7 +29,7 @@ class Widths {
   /// agree on no width changes.
   void find_edges(const GBuffer& gbuffer, const RayPlanes& rays);
 
-  /// Sums of 2x2 pixels, spread like those of the pixels.
+  /// Planes of half the size both ways, spread like those of the pixels.
   struct Half {
     FilterGuides guides;
     GuidedFilter filter;

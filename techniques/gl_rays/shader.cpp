@@ -1,5 +1,6 @@
 #include "shader.h"
 
+#include <gnomon/kit/geometry/first_triangles.h>
 #include <gnomon/kit/gl/gl_pass.h>
 
 namespace gnomon::gl_rays {

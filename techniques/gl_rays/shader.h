@@ -22,12 +22,9 @@ inline constexpr int group_side = 8;
 extern const std::string triangle_snippet;
 
 /// The shader that traces. Storage buffers: 0 of each mesh its first triangle and whether it stands for a curved shape
-/// (`shape_bit`), then how many triangles there are. Images: 0 the mask, 1 how many boxes each ray tested, 2 and 3 nodes and
-/// corners as texels of four numbers. With `textures` rays go through holes and glass; then storage buffers 3 triangles, 4 uv,
-/// 6 transmissions and 7 alpha masks, as SceneBuffers has them.
+/// (`first_triangles`), then how many triangles there are. Images: 0 the mask, 1 how many boxes each ray tested, 2 and 3 nodes
+/// and corners as texels of four numbers. With `textures` rays go through holes and glass; then storage buffers 3 triangles, 4
+/// uv, 6 transmissions and 7 alpha masks, as SceneBuffers has them.
 std::string trace_source(bool textures);
-
-/// The bit of a mesh's first triangle that says that it stands for a curved shape.
-inline constexpr unsigned shape_bit = 0x80000000u;
 
 }  // namespace gnomon::gl_rays

@@ -7,6 +7,7 @@
 #include "degenerate_scenes.h"
 #include "drawing_test.h"
 #include "glass_scenes.h"
+#include "less_of_the_device.h"
 #include "map_scenes.h"
 #include "measure/frame/classify.h"
 #include "shape_world.h"
@@ -94,35 +95,30 @@ TEST_F(GlRays, differ_from_the_reference_in_class_u_alone) {
   RecordProperty("seen", seen.text());
 }
 
-TEST_F(GlRays, through_holes_differ_from_the_reference_in_class_u_alone) {
-  const auto technique = set_up();
-  Random random(6);
+/// Points scattered over random scenes, under a light without area each.
+Differences differences_in(Scene (*random_scene)(Random&, bool), std::uint64_t seed, Technique& technique) {
+  Random random(seed);
   Differences seen;
   for (int round = 0; seen.pixels < wanted_pixels(20000); ++round) {
-    const Scene scene = masked_scenes::random_scene(random, round % 2 == 0);
+    const Scene scene = random_scene(random, round % 2 == 0);
     const Light light = questions::hard_light(scene.meshes[0], random);
     hand_made::Picture picture(64, 24);
     picture.gbuffer.view.eye = {1, 3, 7};
     hard_scenes::scatter(scene, light, random, picture);
-    seen.add(*technique, scene, light, picture.gbuffer, round);
+    seen.add(technique, scene, light, picture.gbuffer, round);
   }
+  return seen;
+}
+
+TEST_F(GlRays, through_holes_differ_from_the_reference_in_class_u_alone) {
+  const Differences seen = differences_in(masked_scenes::random_scene, 6, *set_up());
   seen.expect_none();
   EXPECT_GT(seen.dark, seen.tested / 20);
   RecordProperty("seen", seen.text());
 }
 
 TEST_F(GlRays, through_glass_differ_from_the_reference_in_class_u_alone) {
-  const auto technique = set_up();
-  Random random(7);
-  Differences seen;
-  for (int round = 0; seen.pixels < wanted_pixels(20000); ++round) {
-    const Scene scene = glass_scenes::random_scene(random, round % 2 == 0);
-    const Light light = questions::hard_light(scene.meshes[0], random);
-    hand_made::Picture picture(64, 24);
-    picture.gbuffer.view.eye = {1, 3, 7};
-    hard_scenes::scatter(scene, light, random, picture);
-    seen.add(*technique, scene, light, picture.gbuffer, round);
-  }
+  const Differences seen = differences_in(glass_scenes::random_scene, 7, *set_up());
   seen.expect_none();
   EXPECT_GT(seen.gray, seen.tested / 50);
   RecordProperty("seen", seen.text());
@@ -301,20 +297,6 @@ TEST_F(GlRays, count_rays_boxes_and_bytes) {
   const std::vector<float> layer = rays.technique->draw_debug("boxes");
   EXPECT_EQ(layer.size(), 3 * g.size());
 }
-
-/// While it lives the device has less of something.
-class LessOfTheDevice {
- public:
-  explicit LessOfTheDevice(const std::string& words) {
-    setenv("GNOMON_GL_LIMITS", words.c_str(), 1);
-    ask_gl_limits();
-  }
-  LessOfTheDevice(const LessOfTheDevice&) = delete;
-  ~LessOfTheDevice() {
-    unsetenv("GNOMON_GL_LIMITS");
-    ask_gl_limits();
-  }
-};
 
 TEST_F(GlRays, what_does_not_fit_is_refused_with_the_number) {
   Scene scene;

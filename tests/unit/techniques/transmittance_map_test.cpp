@@ -2,10 +2,11 @@
 #include <gnomon/kit/gl/gl.h>
 #include <gnomon/kit/pictures/layers.h>
 
-#include <cstdlib>
+#include <cmath>
 
 #include "error_words.h"
 #include "glass_stack.h"
+#include "less_of_the_device.h"
 
 namespace transmittance_map_test {
 using namespace glass_maps_rig;
@@ -119,20 +120,6 @@ TEST_F(TransmittanceMap, frees_its_lists_where_a_scene_has_no_glass) {
   EXPECT_EQ(value(map.technique->counts(), "nodes"), 0);
   EXPECT_EQ(value(map.technique->counts(), "surfaces"), 0);
 }
-
-/// While it lives the device has less of something.
-class LessOfTheDevice {
- public:
-  explicit LessOfTheDevice(const std::string& words) {
-    setenv("GNOMON_GL_LIMITS", words.c_str(), 1);
-    ask_gl_limits();
-  }
-  LessOfTheDevice(const LessOfTheDevice&) = delete;
-  ~LessOfTheDevice() {
-    unsetenv("GNOMON_GL_LIMITS");
-    ask_gl_limits();
-  }
-};
 
 // 64 x 64 texels take 16 KiB for the ends of their lists; of three cards that cover nearly all of them some 12,000 surfaces
 // take nearly 96 KiB.

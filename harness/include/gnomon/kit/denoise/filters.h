@@ -119,8 +119,8 @@ class GuidedFilter {
 float sigma_of_width(float width_pixels) noexcept;
 
 /// Width of a penumbra in meters across the light's rays: of a lamp of radius `radius` at `light_distance`, with the caster
-/// `caster_distance` from the point: 2 r d / (D - d). D - d counts as D / 1024 at least, so
-/// that widths are finite and can be summed up.
+/// `caster_distance` from the point: 2 r d / (D - d). D - d counts as D / 1024 at least, so that widths are finite
+/// and can be summed up.
 float penumbra_width(float radius, float light_distance, float caster_distance) noexcept;
 
 /// Variance of the ratio of the first numerators to the denominators over the 7x7 pixels around each that counts: those on the
