@@ -74,7 +74,7 @@ Judge::Judge(const Fields& fields, const Light& light)
 
 void Judge::Witness::prepare(const Scene& scene, bool has_area) {
   if (has_area)
-    area.emplace(scene);
+    area.emplace(scene, Truth::mesh, RayScene::Which::casters);
   else
     hard.emplace(scene);
 }
@@ -85,9 +85,12 @@ double Judge::seen(const Witness& witness, const Question& question, const Recei
     return witness.hard->occluded(receiver, homogeneous(light_), tally).blocked ? 0 : 1;
   }
   const GBuffer& g = question.gbuffer;
-  const LightFigure figure(light_, g.position(question.pixel), g.normal(question.pixel));
-  AreaTally tally;
-  return witness.area->seen(receiver, figure, pieces_, tally).area.best;
+  const std::size_t i = question.pixel;
+  const LightFigure figure(light_, g.position(i), g.normal(i));
+  if (!figure.is_seen()) return 1;
+  const glm::vec3 lift = static_cast<float>(area_ray_offset(g.position(i))) * g.normal(i);
+  const FaceRays rays(*witness.area, g.position(i) + lift, lift, receiver.mesh, receiver.triangle, figure);
+  return sample_shares(rays, i, {.error = area_error, .cap = 1024}).area;
 }
 
 double Judge::truth(const Question& question) const {

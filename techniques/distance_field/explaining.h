@@ -1,5 +1,5 @@
 #pragma once
-#include <gnomon/kit/area/area_scene.h>
+#include <gnomon/kit/area/area_rays.h>
 #include <gnomon/kit/geometry/exact_scene.h>
 #include <gnomon/technique.h>
 
@@ -94,13 +94,15 @@ class Judge {
   std::string_view cause(const Question& question) const;
 
  private:
-  /// One caster as a scene of its own, or all of the scene, behind the exact witness for the light.
+  /// One caster as a scene of its own, or all of the scene, behind what answers for the light: rays with a standard error of
+  /// `area_error`, or the exact one.
   struct Witness {
     std::unique_ptr<Scene> alone;  ///< null: the whole scene
-    std::optional<AreaScene> area;
+    std::optional<RayScene> area;
     std::optional<ExactScene> hard;
     void prepare(const Scene& scene, bool has_area);
   };
+  static constexpr double area_error = 0.005;
   double seen(const Witness& witness, const Question& question, const Receiver& receiver) const;
   double truth(const Question& question) const;
   /// What a caster alone hides of the light.
@@ -116,7 +118,6 @@ class Judge {
   ExactDistances exact_;
   Witness whole_;
   std::vector<Witness> alone_;  ///< of each caster
-  mutable LightPieces pieces_;
 };
 
 }  // namespace gnomon::distance_field
