@@ -25,7 +25,7 @@ constexpr About about{
     .fails =
         "A wide penumbra of few points shows as many edges as there are points. Memory and relight grow with their number. "
         "Casters within a sphere of light hide points of its surface; other techniques sample the disc that is seen of it.",
-    .needs_gl = true,
+    .device = Device::opengl,
     .floor = Floor::copy,                // many hard techniques draw
     .handles = with_gray_transmission};  // of these what the hard technique handles: see `supports`
 
@@ -153,7 +153,7 @@ class AveragedHard final : public Technique {
   }
   Counts counts() const override {
     Counts all = objects().counts();
-    const double mask_bytes = static_cast<double>(weights_.size()) * (of.entry().about.needs_gl ? 8 : 4);
+    const double mask_bytes = static_cast<double>(weights_.size()) * (draws(of.entry().about) ? 8 : 4);
     const double own = static_cast<double>(bytes_of(sums_, weights_, points_)) + mask_bytes;
     const auto bytes = std::ranges::find(all, "bytes", &Count::name);
     if (bytes != all.end())

@@ -22,7 +22,7 @@ constexpr About about{
     .fails =
         "Casters behind one another, of which the image holds the nearest; casters that the center sees from the side; "
         "penumbrae wider than most_radius.",
-    .needs_gl = true,
+    .device = Device::opengl,
     .floor = Floor::depth_draw,
     .handles = with_gray_transmission,
     .causes = map_causes};

@@ -32,7 +32,7 @@ constexpr About about{
     .fails =
         "A light that shines along the view: the slices see the same stretch of the light's picture. One receiver near the "
         "eye and none between it and the horizon.",
-    .needs_gl = true,
+    .device = Device::opengl,
     .floor = Floor::depth_draw,
     .handles = with_gray_transmission,
     .causes = map_causes};

@@ -30,7 +30,7 @@ constexpr About about{
         "and printed: all but spheres, discs along the plane, upright cones and triangles, below the light.",
     .promise = Promise::exact,
     .sees = Truth::shape,
-    .needs_gl = true,
+    .device = Device::opengl,
     .floor = Floor::fetch,
     .rasterizes = true};
 

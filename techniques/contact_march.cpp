@@ -48,7 +48,7 @@ constexpr About about{
     .fails =
         "Fences and wires in front of a lit ground: the picture has no backs, and every depth behind a wire within the "
         "thickness counts as in it. Casters behind the eye.",
-    .needs_gl = true,  // many partners draw
+    .device = Device::opengl,  // many partners draw
     .floor = Floor::fetch,
     .handles = with_alpha_masks,
     .causes = causes,
@@ -139,7 +139,7 @@ class ContactMarch final : public Technique {
     Counts all = objects().counts();
     std::uint64_t step_count = 0;
     for (const std::uint64_t steps_of_block : block_steps_) step_count += steps_of_block;
-    const double mask_bytes = static_cast<double>(seen_.size()) * (partner.entry().about.needs_gl ? 8 : 4);
+    const double mask_bytes = static_cast<double>(seen_.size()) * (draws(partner.entry().about) ? 8 : 4);
     const double own = static_cast<double>(picture_.bytes() + bytes_of(block_steps_)) + mask_bytes +
                        made_.own(static_cast<double>(made_->numbers.bytes()));
     const auto bytes = std::ranges::find(all, "bytes", &Count::name);

@@ -17,7 +17,7 @@ constexpr About about{
         "Holes are those of the mask with alpha=texel alone: mips and mips_kept filter alpha, and hashed is random "
         "where alpha is neither 0 nor 1. A texel holds no product: glass is taken for opaque or left out.",
     .fails = "Casters close above each other along the ray, over the whole depth range of a large scene.",
-    .needs_gl = true,
+    .device = Device::opengl,
     .floor = Floor::depth_draw,
     .handles = with_gray_transmission,
     .causes = map_causes};

@@ -17,7 +17,7 @@ constexpr About about{
         "and .022 with terms=3, 7 and 15. Opaque casters are those of a shadow map. filter=bilinear averages absorbance, which "
         "darkens.",
     .fails = "Few sheets of dark glass with receivers between them: it is made for smoke, whose absorbance has no jumps.",
-    .needs_gl = true,
+    .device = Device::opengl,
     .floor = Floor::depth_draw,
     .handles = with_gray_transmission,
     .causes = glass_map_causes,

@@ -32,7 +32,7 @@ constexpr About about{
         "sees triangles: against exact spheres, cones and discs it errs by the tessellation.",
     .fails = "Nothing it supports. Under a software renderer it is several times slower than rays on the processor.",
     .promise = Promise::exact,
-    .needs_gl = true,
+    .device = Device::opengl,
     .floor = Floor::fetch,
     .handles = with_gray_transmission,
     .named_only = true};

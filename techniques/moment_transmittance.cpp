@@ -19,7 +19,7 @@ constexpr About about{
         "filter=bilinear averages absorbance, which darkens: beside glass that lets 1 % through the middle is 10 % instead of "
         "50 %.",
     .fails = "Many sheets of glass with receivers between them; filtered edges of dark glass.",
-    .needs_gl = true,
+    .device = Device::opengl,
     .floor = Floor::depth_draw,
     .handles = with_gray_transmission,
     .causes = glass_map_causes,

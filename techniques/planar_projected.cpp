@@ -24,7 +24,7 @@ constexpr About about{
         "of glass the product is off by k 2^-24 of itself: each is multiplied in float32. Wrong on purpose with a textbook "
         "artefact on.",
     .fails = "Receivers that are not flat: pixels off the receiver planes are lit and reported as not covered.",
-    .needs_gl = true,
+    .device = Device::opengl,
     .floor = Floor::depth_draw,
     .rasterizes = true,
     .handles = with_gray_transmission};

@@ -31,7 +31,7 @@ constexpr About about{
     .fails = "A small thing on a large floor: what casts a shadow between the corners of a patch casts none.",
     .promise = Promise::sampled,
     .estimates = LightShareKind::irradiance,
-    .needs_gl = true,
+    .device = Device::opengl,
     .floor = Floor::depth_draw,
     .handles = with_alpha_masks,
     .causes = own_causes};

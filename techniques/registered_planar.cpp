@@ -29,7 +29,7 @@ constexpr About about{
     .fails =
         "Receivers that are not flat: pixels off the receiver planes are lit and reported as not covered; contact shadows "
         "and fine casters on a large plane, whose texels are large; casters within a sphere of light, as for averaged_hard.",
-    .needs_gl = true,
+    .device = Device::opengl,
     .floor = Floor::depth_draw,
     .handles = with_gray_transmission};
 

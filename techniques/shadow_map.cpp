@@ -21,7 +21,7 @@ constexpr About about{
         "Holes are those of the mask with alpha=texel alone: mips and mips_kept filter alpha, and hashed is random "
         "where alpha is neither 0 nor 1. A texel holds no product: glass is taken for opaque or left out.",
     .fails = "A long shadow at a grazing angle, a fine mesh of wires, and every large scene: texels are spread over all of it.",
-    .needs_gl = true,
+    .device = Device::opengl,
     .floor = Floor::depth_draw,
     .is_default = true,
     .handles = with_gray_transmission,

@@ -26,7 +26,7 @@ constexpr About about{
         "rasterizer snaps vertices to 1/256 pixel.",
     .fails = "Few segments, seen near. Nothing it supports with fit = exact, but for the triangles of other casters.",
     .sees = Truth::shape,
-    .needs_gl = true,
+    .device = Device::opengl,
     .floor = Floor::fetch,
     .rasterizes = true};
 

@@ -30,7 +30,7 @@ constexpr About about{
         "says so. An edge that meets the middle of another one (T-junction) is a crack of the input: single pixels along "
         "its side quad may be wrong. A closed mesh that winds around some region the wrong way (self-intersecting) lights "
         "receivers inside that region. Glass whose transmission has texels, and more than 8 transmissions, are unsupported.",
-    .needs_gl = true,
+    .device = Device::opengl,
     .floor = Floor::depth_draw,
     .rasterizes = true,
     .handles = with_gray_transmission};

@@ -25,7 +25,7 @@ constexpr About about{
     .fails =
         "Few samples and a large picture, which shows each texel's noise; smoke that takes little light, of which 1 / samples "
         "is the least step.",
-    .needs_gl = true,
+    .device = Device::opengl,
     .floor = Floor::depth_draw,
     .handles = with_gray_transmission,
     .causes = causes,

@@ -20,7 +20,7 @@ constexpr About about{
         "as the scene is deep: memory grows with it. At edges a texel may hold glass that the ray through its center misses: "
         "that is named curve.",
     .fails = "Smoke of many layers on a large image: a list for each texel.",
-    .needs_gl = true,
+    .device = Device::opengl,
     .floor = Floor::depth_draw,
     .handles = with_gray_transmission,
     .causes = curve_causes,

@@ -38,7 +38,7 @@ constexpr About about{
     .fails =
         "A mesh whose triangles are smaller than texels: its lists overflow, and depth decides. Casters with holes and glass, "
         "whose texels depth decides always.",
-    .needs_gl = true,
+    .device = Device::opengl,
     .floor = Floor::depth_draw,
     .handles = with_gray_transmission,
     .causes = causes,

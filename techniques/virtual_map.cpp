@@ -36,7 +36,7 @@ constexpr About about{
         "Pixels that need pages far apart: surfaces edge-on to the light, leaves and grass; a page is then drawn for a few "
         "pixels. All but the fit is work of resolve, paid for in every picture. Where some casters move and others do not, the "
         "first resolve after an update keeps pages that none of the moving ones touches, and draws the others.",
-    .needs_gl = true,
+    .device = Device::opengl,
     .floor = Floor::depth_draw,
     .handles = with_gray_transmission,
     .causes = map_causes};

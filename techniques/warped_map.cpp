@@ -31,7 +31,7 @@ constexpr About about{
     .fails =
         "A light that shines along the view, where no direction of the image is that of depth: it is not warped then. "
         "Casters high above what the eye sees close by.",
-    .needs_gl = true,
+    .device = Device::opengl,
     .floor = Floor::depth_draw,
     .handles = with_gray_transmission,
     .causes = map_causes};

@@ -6,10 +6,10 @@
 
 #include <chrono>
 
-#include "device/context.h"
 #include "measure/frame/frame.h"
 #include "measure/scene/load.h"
 #include "measure/statistics/statistics.h"
+#include "measure/worker/technique_device.h"
 #include "measure/worker/worker_client.h"
 
 namespace {
@@ -18,8 +18,8 @@ using namespace gnomon;
 constexpr int width = 640, height = 360, rounds = 7;
 
 void geometry_cost(benchmark::State& state, const std::string& scene_name, const std::string& id) {
-  process_context();
-  const bool uses_gl = registry().technique(id).about.needs_gl;
+  const TechniqueEntry& entry = registry().technique(id);
+  const std::unique_ptr<TechniqueDevice> device = device_of(entry.about);
   const ScratchFolder folder = ScratchFolder::temporary("gnomon_bench");
   const Scene scene = load_scene(scene_name);
   FrameStore frames(scene, folder.path() / "frames");
@@ -34,7 +34,7 @@ void geometry_cost(benchmark::State& state, const std::string& scene_name, const
                 .truth = Truth::mesh,
                 .seen = SceneLightAndView{.lights = {0}, .view = 0}});
   const MaskReply answer = worker.answer();
-  const auto technique = registry().technique(id).make();
+  const auto technique = entry.make();
   technique->setup();
   VisibilityMask mask(width, height);
   std::vector<double> told, clock;
@@ -43,12 +43,12 @@ void geometry_cost(benchmark::State& state, const std::string& scene_name, const
       double sum = answer.gl ? answer.gl->upload_ms : 0;
       for (const Stage stage : {Stage::build, Stage::relight, Stage::resolve}) sum += worker.time(stage);
       told.push_back(sum);
-      if (uses_gl) release_inputs();
+      if (draws(entry.about)) release_inputs();
       const auto start = std::chrono::steady_clock::now();
       technique->build(scene);
       technique->relight(scene.lights[0]);
       technique->resolve(gbuffer, mask);
-      if (uses_gl) glFinish();
+      device->finish();
       clock.push_back(std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count());
     }
   }

@@ -34,6 +34,14 @@ const Entry& default_of(const std::vector<Entry>& entries, std::string_view what
 
 }  // namespace
 
+std::string_view name(Device device) {
+  switch (device) {
+    case Device::processor: return "processor";
+    case Device::opengl: return "opengl";
+  }
+  return "";
+}
+
 std::string_view name(Floor floor) {
   static constexpr std::string_view names[] = {"none", "depth_draw", "fetch", "copy"};
   return names[static_cast<int>(floor)];

@@ -16,7 +16,7 @@ Json about_json(const TechniqueEntry& entry) {
                {"promise", name(about.promise)},
                {"sees", name(about.sees)},
                {"handles", handled(about)},
-               {"needs_gl", about.needs_gl},
+               {"device", name(about.device)},
                {"remembers", about.remembers},
                {"summary", about.summary},
                {"named_only", about.named_only}};
@@ -127,7 +127,7 @@ std::string describe_text(const TechniqueEntry& entry, std::size_t width, std::s
   if (about.remembers) add("remembers frames", "yes: a mask depends on the pictures before it");
   if (const auto stages = described_stages(entry); !stages.empty()) add("stages", joined(stages, ", "));
   add("role", name(about.role));
-  add("needs OpenGL", about.needs_gl ? "yes" : "no");
+  add("device", name(about.device));
   if (about.floor != Floor::none) add("bare pass", name(about.floor));
   const auto technique = entry.make();
   technique->apply(settings);

@@ -107,7 +107,7 @@ std::string technique_page(const TechniqueEntry& entry) {
   if (!about.lights.empty()) fact("Lights", joined(about.lights, ", "));
   fact("Role", std::string(name(about.role)));
   if (about.named_only) fact("Runs", "only where it is named: a suite's `*` does not mean it");
-  fact("Needs OpenGL", about.needs_gl ? "yes" : "no");
+  fact("Device", code(name(about.device)));
   if (about.floor != Floor::none) fact("Bare pass", code(name(about.floor)));
 
   page += "\n## Parameters\n\n";
@@ -146,11 +146,11 @@ std::string technique_page(const TechniqueEntry& entry) {
 
 std::string technique_index(std::span<const TechniqueEntry> entries) {
   std::string page = generated_header("techniques/*.cpp") + "# Techniques\n\n";
-  page += "| id | title | role | promise | sees | OpenGL | summary |\n| --- | --- | --- | --- | --- | --- | --- |\n";
+  page += "| id | title | role | promise | sees | device | summary |\n| --- | --- | --- | --- | --- | --- | --- |\n";
   for (const TechniqueEntry& entry : entries) {
     const About& about = entry.about;
     page += fmt::format("| [{0}]({0}.md) | {1} | {2} | {3} | {4} | {5} | {6} |\n", entry.id, markdown_text(about.title),
-                        name(about.role), name(about.promise), name(about.sees), about.needs_gl ? "yes" : "no",
+                        name(about.role), name(about.promise), name(about.sees), name(about.device),
                         markdown_text(about.summary));
   }
   return page;

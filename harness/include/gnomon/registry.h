@@ -6,7 +6,7 @@
 namespace gnomon {
 
 /// Version of the contract: a plugin built for another number is refused.
-inline constexpr int abi_version = 25;
+inline constexpr int abi_version = 26;
 
 /// A scene made by a program instead of a file; one per file in scenes/. Gives lights `point` and `sun` and at least one view.
 class SceneGenerator : public Parametrized {

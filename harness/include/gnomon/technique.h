@@ -54,6 +54,13 @@ inline constexpr std::string_view name(LightShareKind kind) { return kind == Lig
 enum class Promise { exact, sampled };
 enum class Role { contender, baseline, reference };
 
+/// What the stages of a technique are called with: made ready by the harness, on the thread that calls them.
+enum class Device {
+  processor,  ///< nothing else
+  opengl,     ///< a current OpenGL 4.5 core context
+};
+std::string_view name(Device device);
+
 /// The barest pass over the same scene or picture that a technique that draws cannot do without. Tables show how much of a
 /// frame it takes, on any device.
 enum class Floor {
@@ -102,7 +109,7 @@ struct About {
   Truth sees = Truth::mesh;  ///< geometry the technique works on; promises and conformance are judged by that truth
   LightShareKind estimates = LightShareKind::area;  ///< under lights with area; it is scored against that
   Role role = Role::contender;
-  bool needs_gl = false;      ///< called with a current OpenGL 4.5 core context
+  Device device = Device::processor;
   Floor floor = Floor::none;  ///< of one that draws
   bool is_default = false;    ///< the technique that `gnomon view` shows when none is named
   /// The edges of its shadows are those of polygons that a rasterizer draws in the picture's pixels, snapped to its grid.
@@ -116,6 +123,9 @@ struct About {
   bool remembers = false;
   bool named_only = false;  ///< not among what `*` stands for: an engine, which runs only where it is named
 };
+
+/// Another device than the processor does its work.
+inline bool draws(const About& about) { return about.device != Device::processor; }
 
 class Technique;
 /// What a technique supports: what its `supports` answers where it handles all features of the scene, else `unsupported`, which

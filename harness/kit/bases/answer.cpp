@@ -12,7 +12,7 @@ Answer answer(std::string_view technique, const Scene& scene, const Light& light
   const std::unique_ptr<Technique> object = entry.make();
   if (colon != technique.npos) object->apply(technique.substr(colon + 1));
   if (width < 1 || height < 1) throw Error("a picture of {} x {} pixels has none", width, height);
-  if (entry.about.needs_gl) {
+  if (entry.about.device == Device::opengl) {
     if (!gl_limits()) throw Error("{} draws: make an OpenGL 4.5 core context current and call ask_gl_limits() first", entry.id);
     glClipControl(GL_UPPER_LEFT, GL_ZERO_TO_ONE);
   }

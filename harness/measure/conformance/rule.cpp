@@ -54,7 +54,7 @@ const Rule& rule(std::string_view name) {
 
 std::string_view why_not_applied(const Rule& rule, const About& about) {
   const bool is_exact = about.promise == Promise::exact, is_of_sampled = rule.applies_to == AppliesTo::sampled;
-  if (rule.applies_to == AppliesTo::drawing && !about.needs_gl) return "it does not draw";
+  if (rule.applies_to == AppliesTo::drawing && !draws(about)) return "it does not draw";
   if (rule.applies_to == AppliesTo::exact && !is_exact) return "it does not promise to be exact";
   if (rule.applies_to == AppliesTo::remembering && !about.remembers) return "it does not remember frames";
   if (rule.applies_to == AppliesTo::not_remembering && about.remembers) return "it remembers frames";
@@ -65,7 +65,6 @@ std::string_view why_not_applied(const Rule& rule, const About& about) {
 Verdict judge(const Rule& rule, const TechniqueEntry& entry, const std::function<void(const Place&)>& moves) {
   if (const std::string_view why = why_not_applied(rule, entry.about); !why.empty())
     return {.kind = Verdict::Kind::does_not_apply, .why = std::string(why)};
-  if (rule.has_context && entry.about.needs_gl) process_context();
   Trial trial(rule, entry, moves);
   try {
     rule.check(trial);

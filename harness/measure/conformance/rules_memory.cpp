@@ -1,6 +1,5 @@
 // Whether a technique holds as many bytes as it reports, and uploads its geometry in build.
 #include <gnomon/kit/geometry/shapes.h>
-#include <gnomon/kit/gl/gl_pass.h>
 #include <malloc.h>
 #include <unistd.h>
 
@@ -10,7 +9,6 @@
 #include <map>
 #include <optional>
 
-#include "device/context.h"
 #include "measure/conformance/motion_world.h"
 #include "measure/conformance/trial.h"
 #include "measure/program/elsewhere.h"
@@ -20,30 +18,9 @@ namespace {
 
 constexpr double MiB = 1 << 20;
 
-/// Draws a few pixels: the driver frees the memory of a draw, and of deleted objects, at later draws. A software driver holds
-/// as many draws as it once had under way, which a busy machine makes more: it never has more than these.
-void settle() {
-  constexpr int most_draws = 64;
-  const StateGuard guard;
-  static const Program* const program =  // never deleted: its compilation is no work of a draw
-      new Program("settle", full_screen_vertex, "layout(location = 0) out float v; void main() { v = 1; }");
-  for (int k = 0; k < most_draws; ++k) {
-    const Texture texture(GL_R32F, 64, 64);
-    const Framebuffer framebuffer = make_framebuffer();
-    glNamedFramebufferTexture(framebuffer.name(), GL_COLOR_ATTACHMENT0, texture.name(), 0);
-    glBindFramebuffer(GL_FRAMEBUFFER, framebuffer.name());
-    glViewport(0, 0, 64, 64);
-    glUseProgram(program->name());
-    draw_full_screen();
-    glFinish();
-    glUseProgram(0);
-    glBindFramebuffer(GL_FRAMEBUFFER, 0);
-  }
-}
-
 /// Resident memory of this process, without what the driver and the allocator keep of freed memory.
-double resident_bytes(bool uses_gl) {
-  if (uses_gl) settle();
+double resident_bytes(TechniqueDevice& device) {
+  device.settle();
   malloc_trim(0);
   std::ifstream statm("/proc/self/statm");
   double size = 0, resident = 0;
@@ -79,13 +56,9 @@ class Scales {
     trial_.at(*light);
     const GBuffer gbuffer = w->gbuffer(w->scene.views[0], 320, 180);
     VisibilityMask mask(gbuffer.width, gbuffer.height);
-    if (trial_.uses_gl()) {  // mask and inputs are not the technique's
-      scene_buffers(w->scene);
-      gbuffer_textures(gbuffer, w->scene);
-      glClearTexImage(mask.texture(), 0, GL_RED, GL_FLOAT, nullptr);
-    }
+    trial_.device().upload(w->scene, gbuffer, mask);
     Figures f;
-    const double before = resident_bytes(trial_.uses_gl());
+    const double before = resident_bytes(trial_.device());
     const auto start = std::chrono::steady_clock::now();
     techniques_.push_back(trial_.set_up());  // it may keep what it warmed up with
     Technique* const technique = techniques_.back().get();
@@ -94,7 +67,7 @@ class Scales {
     trial_.begin(*technique);
     technique->resolve(gbuffer, mask);
     f.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    f.growth = resident_bytes(trial_.uses_gl()) - before;
+    f.growth = resident_bytes(trial_.device()) - before;
     f.is_elsewhere = elsewhere(*technique) != nullptr;
     f.reported = counted_bytes(technique->counts());
     f.text = fmt::format("{:.1f} MiB reported, resident memory grew by {:.1f} MiB", f.reported / MiB, f.growth / MiB);
@@ -114,15 +87,14 @@ class Scales {
 // picture that is blended, the mean of eight does: in their sum only the first and the last are left.
 void reported_bytes(Trial& trial) {
   if (is_sanitized) return trial.does_not_apply("the sanitizer multiplies memory");
-  if (trial.uses_gl() && !process_context().info().is_software())
-    return trial.does_not_apply("textures lie in the memory of the device");
+  if (trial.device().has_own_memory()) return trial.does_not_apply("textures lie in the memory of the device");
   mallopt(M_MMAP_THRESHOLD, 128 << 10);  // a constant one: what is large goes back when it is freed
   Scales scales(trial);
   // Threads, shaders and libraries come up.
   if (const auto first = scales.measure(40); first && first->is_elsewhere)
     return trial.does_not_apply("it holds its memory in a process of its own");
   for (const int segments : {80, 160, 320, 640}) {
-    const double floor = 8 * MiB + (trial.uses_gl() ? 64.0 * segments * segments : 0);
+    const double floor = 8 * MiB + (draws(trial.entry().about) ? 64.0 * segments * segments : 0);
     std::vector<Figures> measured;
     std::string texts;
     double growth = 0;

@@ -58,7 +58,7 @@ void expect_alike(Trial& trial, const std::vector<float>& before, const std::vec
   std::size_t count = 0, first = 0;
   for (std::size_t i = 0; i < before.size(); ++i)
     if (before[i] != after[i] && count++ == 0) first = i;
-  const double most = trial.uses_gl() ? most_drawn * static_cast<double>(before.size()) : 0;
+  const double most = draws(trial.entry().about) ? most_drawn * static_cast<double>(before.size()) : 0;
   if (static_cast<double>(count) <= most) return;
   trial.found(fmt::format("{} of {} pixels differ, the first is {} and {}", count, before.size(), before[first], after[first]),
               first, gbuffer);

@@ -50,9 +50,7 @@ std::vector<float> Trial::resolve(Technique& technique, const GBuffer& gbuffer) 
 
 std::vector<float> Trial::resolve_next(Technique& technique, const GBuffer& gbuffer) const {
   VisibilityMask mask(gbuffer.width, gbuffer.height);
-  const float nonsense = -7;
-  if (uses_gl()) glClearTexImage(mask.texture(), 0, GL_RED, GL_FLOAT, &nonsense);
-  std::ranges::fill(mask.pixels(), nonsense);
+  device_->fill(mask, -7);
   technique.resolve(gbuffer, mask);
   const auto pixels = mask.read();
   return {pixels.begin(), pixels.end()};

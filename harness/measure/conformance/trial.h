@@ -8,6 +8,7 @@
 
 #include "measure/conformance/rule.h"
 #include "measure/conformance/world.h"
+#include "measure/worker/technique_device.h"
 
 namespace gnomon::conformance {
 
@@ -15,10 +16,14 @@ namespace gnomon::conformance {
 class Trial {
  public:
   explicit Trial(const Rule& rule, const TechniqueEntry& entry, std::function<void(const Place&)> moves = {})
-      : rule_(rule), entry_(entry), moves_(std::move(moves)) {}
+      : rule_(rule),
+        entry_(entry),
+        device_(rule.has_context ? device_of(entry.about) : std::make_unique<TechniqueDevice>()),
+        moves_(std::move(moves)) {}
 
   const TechniqueEntry& entry() const { return entry_; }
-  bool uses_gl() const { return entry_.about.needs_gl; }
+  /// That it is called with; in a rule without a context the processor.
+  TechniqueDevice& device() const { return *device_; }
   /// Under the sanitizers, where the rule leaves out a part.
   bool is_short() const { return is_sanitized && rule_.sanitized == Sanitized::part; }
 
@@ -87,6 +92,7 @@ class Trial {
 
   const Rule& rule_;
   const TechniqueEntry& entry_;
+  std::unique_ptr<TechniqueDevice> device_;
   std::function<void(const Place&)> moves_;
   mutable std::map<std::string, std::string> asked_with_;
   Place place_;

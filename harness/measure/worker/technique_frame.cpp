@@ -3,6 +3,7 @@
 #include <gnomon/kit/progress.h>
 
 #include "measure/program/elsewhere.h"
+#include "device/stopwatch.h"
 #include "measure/progress.h"
 #include "measure/worker/counted_stage.h"
 
@@ -24,19 +25,12 @@ OpenRequest::Reply TechniqueFrame::open(const TechniqueEntry& entry, const OpenR
   watch_progress(nullptr);
   progress_.emplace(request.progress);
   watch_progress(&progress_->value());
-  uses_gl_ = entry_->about.needs_gl;
-  if (!uses_gl_) return {};
-  const GlInfo& info = process_context().info();
-  // llvmpipe's marks are not in order with its work: 0.2 ms for a resolve of 5, 2.6 for a build of 0.03.
-  if (info.driver != GlChoice::software) stopwatch_.emplace();
-  return {WorkerGl{.renderer = info.renderer,
-                   .version = info.version,
-                   .subpixel_bits = static_cast<int>(gl_limits()->subpixel_bits),
-                   .card = card_json(info)}};
+  device_ = device_of(entry_->about);
+  return {device_->description()};
 }
 
 void TechniqueFrame::forget_frame() {
-  if (uses_gl_) inputs_.forget(scenes());
+  device_->forget(scenes());
   fresh_ = -1;
   masks_.clear();
   lit_.clear();
@@ -44,7 +38,6 @@ void TechniqueFrame::forget_frame() {
   lights_.reset();
   gbuffers_.clear();
   gbuffer_ = {};
-  bare_pass_.reset();
 }
 
 SetRequest::Reply TechniqueFrame::set(const std::string& settings) {
@@ -78,7 +71,7 @@ GoRequest::Reply TechniqueFrame::go_to(const GoRequest& request) {
   GBuffer& known = gbuffers_[request.gbuffer];
   if (known.width != requested.key.width || known.height != requested.key.height)
     known = map_gbuffer(request.gbuffer, requested.key);
-  bare_pass_.reset();
+  device_->forget_floor();
   const bool is_other_picture =
       known.width != gbuffer_.width || known.height != gbuffer_.height || known.truth != gbuffer_.truth;
   gbuffer_ = known;
@@ -88,14 +81,14 @@ GoRequest::Reply TechniqueFrame::go_to(const GoRequest& request) {
   GoRequest::Reply reply{.support = reply_of(support), .fresh = fresh_ + 1};
   for (const Support& one : supports) reply.lights.push_back(reply_of(one));
   if (supports.size() > 1) reply.shares = objects_->shares();
-  if (uses_gl_ && support && entry_->about.floor != Floor::none) reply.floor = name(entry_->about.floor);
+  if (support && draws(entry_->about) && entry_->about.floor != Floor::none) reply.floor = name(entry_->about.floor);
   return reply;
 }
 
 std::vector<Support> TechniqueFrame::hold_objects(const FrameKey& key) {
   const auto technique = entry_->make();
   technique->apply(settings_);
-  const Support inputs = uses_gl_ ? within_limits(inputs_need(scene_, key.width, key.height)) : Support::full();
+  const Support inputs = device_->within_limits(scene_, key.width, key.height);
   std::vector<Support> supports;
   std::vector<std::size_t> scenes;  // by number, of the lights that are supported
   masks_.clear();
@@ -125,6 +118,7 @@ TimeRequest::Reply TechniqueFrame::time_stage(const TimeRequest& request) {
   if (request.stage > Stage::setup) bring_up(static_cast<Stage>(static_cast<int>(request.stage) - 1));
   double harness_sum = 0;
   bool is_own = false;
+  const DeviceStopwatch* const stopwatch = device_->stopwatch();
   TimeRequest::Reply reply{.device_ms = 0};
   const auto start = std::chrono::steady_clock::now();
   do {
@@ -132,7 +126,7 @@ TimeRequest::Reply TechniqueFrame::time_stage(const TimeRequest& request) {
     harness_sum += time.harness_ms;
     reply.ms += time.own_ms.value_or(time.harness_ms);
     is_own = is_own || time.own_ms;
-    const auto device_ms = stopwatch_ ? stopwatch_->milliseconds() : std::nullopt;
+    const auto device_ms = stopwatch ? stopwatch->milliseconds() : std::nullopt;
     reply.device_ms = reply.device_ms && device_ms ? std::optional(*reply.device_ms + *device_ms) : std::nullopt;
     ++reply.iterations;
   } while (reply.iterations < request.iterations && seconds_since(start) < longest_portion_seconds);
@@ -143,11 +137,7 @@ TimeRequest::Reply TechniqueFrame::time_stage(const TimeRequest& request) {
 FloorRequest::Reply TechniqueFrame::floor(int times) {
   // Else the pass would find positions that no stage has uploaded.
   if (fresh_ == static_cast<int>(Stage::build)) time(Stage::update);
-  const Scene& scene = **scenes().begin();
-  return inputs_.beside(scene, [&] {
-    if (!bare_pass_) bare_pass_.emplace(entry_->about.floor, scene, gbuffer_);
-    return bare_pass_->time(times, stopwatch_ ? &*stopwatch_ : nullptr);
-  });
+  return device_->draw_floor(entry_->about.floor, **scenes().begin(), gbuffer_, times);
 }
 
 TechniqueFrame::StageTime TechniqueFrame::time(Stage stage) {
@@ -158,20 +148,19 @@ TechniqueFrame::StageTime TechniqueFrame::time(Stage stage) {
   const Changes changes = sees_meshes ? posed_->take_changes() : Changes();
   // A stage that throws is due again; what moved is taken, so that only a build would see it.
   fresh_ = std::min(fresh_, sees_meshes ? static_cast<int>(Stage::setup) : static_cast<int>(stage) - 1);
-  if (uses_gl_) inputs_.prepare(stage, scenes(), gbuffer_);
+  device_->prepare(stage, scenes(), gbuffer_);
   std::optional<CountedStage> counted(std::in_place, name(stage).data());
   if (stage <= Stage::build) objects_->forget();
   const auto start = std::chrono::steady_clock::now();
-  if (stopwatch_) stopwatch_->start();
+  DeviceStopwatch* const stopwatch = device_->stopwatch();
+  if (stopwatch) stopwatch->start();
   const std::optional<double> own_ms = call(stage, changes);
-  if (stopwatch_) stopwatch_->stop();
-  if (uses_gl_) glFinish();
+  if (stopwatch) stopwatch->stop();
+  device_->finish();
   const double ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
   counted.reset();
-  if (const GLenum code = uses_gl_ ? glGetError() : GLenum{GL_NO_ERROR}; code != GL_NO_ERROR)
-    throw Error("OpenGL error {:#x}", code);
+  device_->end_stage();
   fresh_ = static_cast<int>(fresh_after(stage));
-  if (uses_gl_) inputs_.end_stage();
   if (own_ms && !(*own_ms >= 0 && *own_ms <= ms))
     throw Error("{} took {:g} ms by the technique's own clock, {:g} ms by the harness's", name(stage), *own_ms, ms);
   return {.harness_ms = ms, .own_ms = own_ms};
@@ -202,14 +191,10 @@ void TechniqueFrame::require_pixel(std::uint32_t pixel) const {
   if (pixel >= gbuffer_.size()) throw Error("there is no pixel {}: the picture has {}", pixel, gbuffer_.size());
 }
 
-std::optional<GlInputs> TechniqueFrame::gl_inputs() {
-  return uses_gl_ ? std::optional(inputs_.facts(scenes(), gbuffer_)) : std::nullopt;
-}
-
-std::set<const Scene*> TechniqueFrame::scenes() {
-  std::set<const Scene*> scenes;
+TechniqueDevice::Scenes TechniqueFrame::scenes() {
+  TechniqueDevice::Scenes scenes;
   for (const std::size_t k : lit_) scenes.insert(&channels_->of((*lights_)[k]));
-  return scenes.empty() ? std::set<const Scene*>{&scene_} : scenes;
+  return scenes.empty() ? TechniqueDevice::Scenes{&scene_} : scenes;
 }
 
 }  // namespace gnomon

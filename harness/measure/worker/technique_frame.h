@@ -2,17 +2,16 @@
 #include <gnomon/kit/bases/light_objects.h>
 
 #include <deque>
-#include <set>
 
 #include "measure/scene/channels.h"
 #include "measure/worker/requested_frame.h"
 #include "measure/worker/shared_count.h"
-#include "measure/worker/worker_device.h"
+#include "measure/worker/technique_device.h"
 
 namespace gnomon {
 
 /// A technique on its scene, and the frame that it answers: pose, lights, view and G-buffer. It does stages, and records which
-/// of them are up to date. Of one process: its OpenGL and its progress are the process's.
+/// of them are up to date. Of one process: its device and its progress are the process's.
 class TechniqueFrame {
  public:
   TechniqueFrame() = default;
@@ -46,9 +45,9 @@ class TechniqueFrame {
   /// The object of one of the frame's lights; null where that casts no shadows.
   Technique* object_of(std::size_t light);
   void require_pixel(std::uint32_t pixel) const;
-  bool uses_gl() const { return uses_gl_; }
-  /// What was uploaded; nothing without OpenGL.
-  std::optional<GlInputs> gl_inputs();
+  const TechniqueDevice& device() const { return *device_; }
+  /// What was uploaded to it.
+  std::optional<GlInputs> device_inputs() { return device_->inputs(scenes(), gbuffer_); }
 
  private:
   struct StageTime {
@@ -68,7 +67,7 @@ class TechniqueFrame {
   /// Calls the stage of all objects that do it. Milliseconds of all by the technique's own clock.
   std::optional<double> call(Stage stage, const Changes& changes);
   /// Those that objects are built on; before there is a frame the scene itself.
-  std::set<const Scene*> scenes();
+  TechniqueDevice::Scenes scenes();
 
   Scene scene_;                      ///< in the frame's pose
   std::optional<PosedScene> posed_;  ///< moves it; what it tells of changes is since the last build or update
@@ -76,18 +75,15 @@ class TechniqueFrame {
   const TechniqueEntry* entry_ = nullptr;
   std::string settings_;
   std::optional<LightObjects> objects_;
-  bool uses_gl_ = false;
+  std::unique_ptr<TechniqueDevice> device_ = std::make_unique<TechniqueDevice>();  ///< that draws
   std::optional<SharedCount> progress_;         ///< of the stage under way
-  std::optional<DeviceStopwatch> stopwatch_;    ///< with GL, where the device's clock is reliable
   std::string lit_by_;                          ///< of the lights that the technique was given last
   std::unique_ptr<std::vector<Light>> lights_;  ///< those lights
   std::deque<VisibilityMask> masks_;            ///< of each
   std::vector<std::size_t> lit_;                ///< the light of each object
   std::map<std::string, GBuffer> gbuffers_;     ///< by file: one for each view and truth
   GBuffer gbuffer_;
-  std::optional<TimedBarePass> bare_pass_;  ///< of the frame
   int fresh_ = -1;                          ///< last stage that is up to date
-  StagedInputs inputs_;                     ///< with GL
 };
 
 }  // namespace gnomon

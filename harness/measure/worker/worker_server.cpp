@@ -35,9 +35,7 @@ class TechniqueServer {
     on<GoRequest>([this](const auto& request) { return frame_.go_to(request); });
     on<TimeRequest>([this](const auto& request) { return frame_.time_stage(request); });
     on<FloorRequest>([this](const auto& request) { return frame_.floor(request.times); });
-    on<CardRequest>([this](const auto&) {
-      return CardRequest::Reply{frame_.uses_gl() ? card_json(process_context().info()) : std::nullopt};
-    });
+    on<CardRequest>([this](const auto&) { return CardRequest::Reply{frame_.device().card()}; });
     on<BringUpRequest>([this](const auto& request) {
       frame_.bring_up(request.stage);
       return Done();
@@ -76,7 +74,7 @@ class TechniqueServer {
     write_mask(path);
     const auto peak = static_cast<std::uint64_t>(peak_bytes());  // first: counting may build or draw once more
     AnswerRequest::Reply reply{.counts = frame_.objects().counts(), .peak_bytes = peak};
-    reply.gl = frame_.gl_inputs();
+    reply.gl = frame_.device_inputs();
     for (Count& count : reply.counts)
       if (reply.gl && count.name == "bytes") count.value += static_cast<double>(*reply.gl->geometry_bytes);
     for (const Count& c : reply.counts)

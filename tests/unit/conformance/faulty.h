@@ -132,7 +132,7 @@ inline About sampled() {
 }
 inline About drawing() {
   About about = exact;
-  about.needs_gl = true;
+  about.device = Device::opengl;
   return about;
 }
 

@@ -67,7 +67,7 @@ TEST_F(BarePassTest, none_is_no_pass) { EXPECT_THROW(BarePass(Floor::none, scene
 // Whoever draws says what it cannot do without.
 TEST(floors, every_technique_that_draws_names_one_and_no_other) {
   for (const TechniqueEntry& entry : registry().techniques())
-    EXPECT_EQ(entry.about.needs_gl, entry.about.floor != Floor::none) << entry.id;
+    EXPECT_EQ(draws(entry.about), entry.about.floor != Floor::none) << entry.id;
 }
 
 }  // namespace bare_pass_test

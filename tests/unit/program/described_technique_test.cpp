@@ -40,8 +40,8 @@ TEST(described_technique, has_data_sheet_parameters_and_layers_of_the_one_that_i
               std::tie(b.title, b.summary, b.source, b.error, b.fails));
     EXPECT_EQ(std::tie(a.promise, a.sees, a.estimates, a.role, a.floor),
               std::tie(b.promise, b.sees, b.estimates, b.role, b.floor));
-    EXPECT_EQ(std::tie(a.needs_gl, a.is_default, a.rasterizes, a.named_only, a.update_error, a.remembers),
-              std::tie(b.needs_gl, b.is_default, b.rasterizes, b.named_only, b.update_error, b.remembers));
+    EXPECT_EQ(std::tie(a.device, a.is_default, a.rasterizes, a.named_only, a.update_error, a.remembers),
+              std::tie(b.device, b.is_default, b.rasterizes, b.named_only, b.update_error, b.remembers));
     EXPECT_TRUE(std::ranges::equal(a.handles, b.handles));
     ASSERT_EQ(a.causes.size(), b.causes.size());
     for (std::size_t k = 0; k < a.causes.size(); ++k)
@@ -117,7 +117,7 @@ TEST(described_technique, knows_the_lights_that_are_told_or_all) {
 
 TEST(described_technique, nonsense_is_refused) {
   const TechniqueEntry& there = registry().technique("svbsp");
-  for (const char* key : {"id", "title", "promise", "causes", "needs_gl", "handles", "update_error", "remembers"}) {
+  for (const char* key : {"id", "title", "promise", "causes", "device", "handles", "update_error", "remembers"}) {
     Json sheet = sheet_json(there);
     sheet[key] = json_object({{"no", "sense"}});
     EXPECT_ANY_THROW(described_technique(sheet, object_json(there), {}, "")) << key;

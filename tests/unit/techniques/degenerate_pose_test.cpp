@@ -80,7 +80,7 @@ std::vector<float> mask_of(const TechniqueEntry& entry, const Pictured& pictured
 std::vector<std::string> drawing_nothing() {
   std::vector<std::string> ids;
   for (const TechniqueEntry& entry : registry().techniques())
-    if (!entry.about.needs_gl && !entry.about.named_only) ids.push_back(entry.id);
+    if (!draws(entry.about) && !entry.about.named_only) ids.push_back(entry.id);
   return ids;
 }
 std::string name_of(const testing::TestParamInfo<std::string>& info) { return info.param; }

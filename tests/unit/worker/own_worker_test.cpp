@@ -75,7 +75,7 @@ TEST_F(OwnWorker, answers_counts_layers_and_explanations) {
 TEST_F(OwnWorker, geometry_goes_up_in_stages_alone) {
   std::size_t holding = 0;
   for (const TechniqueEntry& entry : registry().techniques()) {
-    if (!entry.about.needs_gl) continue;
+    if (!draws(entry.about)) continue;
     WorkerClient client = worker(entry.id);
     client.load(request(entry.id));
     if (!client.frame(frame()).support) continue;
