@@ -19,13 +19,20 @@ void main() {
 }
 )";
 
-/// Writes where that looks, in texels, the layer of the image, and what the decision notes.
+/// Writes where that looks, in texels, the layer of the image, by `decided_early` more where five texels decide, and what the
+/// decision notes.
+constexpr int decided_early = 1024;
 constexpr std::string_view explain_body = R"(
 layout(location = 0) out vec4 looked_up;
 void main() {
   vec4 surface = position_here(), facet = normal_here();
   ComparedPoint point = ask(surface, facet);
-  looked_up = vec4(point.position, light_facts.x, noted(surface, facet, point));
+  vec4 facts = light_facts;
+#ifdef BAILS_EARLY
+  compared(point);
+  facts.x += is_decided_early ? DECIDED_EARLY : 0;
+#endif
+  looked_up = vec4(point.position, facts.x, noted(surface, facet, point));
 }
 )";
 
@@ -42,25 +49,51 @@ ComparedMap::ComparedMap(const Defaults& defaults)
                  "Slope-scaled bias, times the tangent of the angle between normal and light; for bias=slope."),
       normal_offset(this, "normal_offset", 1.5, {.unit = "texel", .min = 0, .max = 16}, Stage::relight,
                     "How far the look-up point is moved along the normal; for bias=normal_offset."),
-      filter(this, "filter", "nearest", {"nearest", "pcf", "disc", "bilinear"}, Stage::setup,
+      filter(this, "filter", "nearest", {"nearest", "pcf", "disc", "bilinear", "optimized", "bicubic", "rotated"}, Stage::setup,
              "One comparison, or the mean of several (percentage-closer filtering): of (2 filter_radius + 1)^2 texels, of a "
-             "disc around the point, or of the four nearest with the weights of graphics cards."),
+             "disc around the point, of the four nearest with the weights of graphics cards, of 3, 5 or 7 a side with fixed "
+             "weights that move with the point, of 4 a side with those of a cubic spline, or of filter_taps on a spiral that "
+             "noise turns in each pixel."),
       filter_radius(this, "filter_radius", 1, {.unit = "texel", .min = 1, .max = 8}, Stage::relight,
-                    "Half the side of the square beside its middle texel, less half a texel the disc's radius; for filter=pcf "
-                    "and disc.") {}
+                    "Half the side of the square beside its middle texel, less half a texel the disc's radius; for filter=pcf"
+                    ", disc, rotated and, up to 3, optimized."),
+      filter_taps(this, "filter_taps", 8, {.min = 1, .max = MapFilter::most_taps, .log = true}, Stage::resolve,
+                  "Comparisons on the spiral, in each frame; for filter=rotated."),
+      noise_frame(this, "noise_frame", 0, {.min = 0, .max = 63}, Stage::resolve,
+                  "Which frame's noise turns the spiral: interleaved gradient noise, moved by 5.588238 pixels a frame; for "
+                  "filter=rotated."),
+      noise_frames(this, "noise_frames", 1, {.min = 1, .max = 16, .log = true}, Stage::resolve,
+                   "How many frames' answers are averaged, from noise_frame on: what an average over time comes to; for "
+                   "filter=rotated."),
+      early_bail(this, "early_bail", false, Stage::setup,
+                 "Five texels of the filter, the middle one and four around it, decide where they agree; for filters of more "
+                 "than four texels."),
+      faces(this, "faces", "front", {"front", "back", "both"}, Stage::relight,
+            "Which faces of closed casters images show: those turned to the light, those turned away, or both; of open ones "
+            "all. For what stores the first surface."),
+      depth_bits(this, "depth_bits", "32", {"16", "24", "32"}, Stage::relight,
+                 "What a texel stores depth in: 16 or 24 bits of fixed point, or a float of 32 bits. For what stores the first "
+                 "surface.") {}
 
 MapComparison ComparedMap::comparison() const {
-  const MapFilter used{MapFilter::Kind(filter.index()), filter_radius};
+  const MapFilter used{.kind = MapFilter::Kind(filter.index()),
+                       .radius = filter_radius,
+                       .taps = filter_taps,
+                       .first_frame = noise_frame,
+                       .frames = noise_frames,
+                       .bails_early = early_bail};
   const double reach = used.reach();
   return {MapComparison::Bias(bias.index()), reach * depth_bias, reach * slope_bias, reach * normal_offset, used};
 }
 
 Program ComparedMap::resolve_program(LightProjection projection, bool explains) const {
-  const std::string head = light_map_head(projection, images()) + comparison_head(comparison());
+  const std::string head = fmt::format("{}{}#define DECIDED_EARLY {}\n", light_map_head(projection, images()),
+                                       comparison_head(comparison()), decided_early);
   const std::string by_more = decision();
-  return pass_program(fmt::format("{} {}", id(), explains ? "explain" : "resolve"), comparison_constants(projection, images()),
-                      fmt::format("{}{}{}{}{}{}", head, gbuffer_snippet, light_map_snippet, comparison_snippet,
-                                  by_more.empty() ? depths_decide : by_more, explains ? explain_body : compare_body));
+  return pass_program(
+      fmt::format("{} {}", id(), explains ? "explain" : "resolve"), comparison_constants(projection, images()),
+      fmt::format("{}{}{}{}{}{}{}", head, gbuffer_snippet, light_map_snippet, comparison_snippet, filter_snippet,
+                  by_more.empty() ? depths_decide : by_more, explains ? explain_body : compare_body));
 }
 
 void ComparedMap::setup() {
@@ -87,8 +120,20 @@ void ComparedMap::update(const Scene& scene, const Changes& changes) {
   made_->glass_difference = {scene, glass.as()};
 }
 
+Support ComparedMap::coarse_depth(const Scene& scene, const Light& light, const Support& support) const {
+  if (!support || bits() == 32) return support;
+  double step = 0;
+  for (const LightImage& image : fit_to_scene(light, mesh_boxes(scene), resolution, comparison().margin()).images)
+    if (!image.casters.empty()) step = std::max(step, 2 * half_depth_step(bits(), image, image.far));
+  if (step < 1) return support;
+  return Support::approximate(fmt::format("{} bits of depth leave steps of {:.2g} m where the scene ends", bits(), step));
+}
+
 void ComparedMap::relight(const Light& light) {
   const StateGuard guard;
+  made_->depth_images.use_format(bits() == 16   ? GL_DEPTH_COMPONENT16
+                                 : bits() == 24 ? GL_DEPTH_COMPONENT24
+                                                : GL_DEPTH_COMPONENT32F);
   light_ = light;
   depths_.still.start_relight(made_->depth_images.moving(), update_by);
   made_->depth_images.use_alpha(alpha.rule());
@@ -101,6 +146,12 @@ void ComparedMap::relight(const Light& light) {
 void ComparedMap::draw_images(LightCamera&& camera) {
   if (made_->read_of == this) made_->read_of = nullptr;
   camera_ = std::move(camera);
+  double step = 0;  // of any image: what shaders and texels round is one number of a camera, which grows with z^2 / (near far)
+  for (const LightImage& image : camera_.images)
+    if (image.layer >= 0)
+      step =
+          std::max(step, half_depth_step(bits(), image, image.is_perspective ? std::sqrt(image.near * image.far) : image.far));
+  camera_.rounding += step;
   drawn_triangles_ = draw(depths_, made_->depth_images.hole_test());
   images_drawn(camera_);
 }
@@ -109,7 +160,9 @@ std::size_t ComparedMap::draw(Depths& depths, const HoleTest& test) const {
   using enum DepthImages::Faces;
   DepthImages& depth_images = made_->depth_images;
   const StoredDepth stored = stored_depth();
-  std::size_t triangles = depth_images.draw(camera_, depths.first, depths.still, stored.needs_second() ? all : lit, test);
+  constexpr DepthImages::Faces shown[] = {lit, unlit, all};
+  std::size_t triangles =
+      depth_images.draw(camera_, depths.first, depths.still, stored.needs_second() ? all : shown[faces.index()], test);
   if (stored.needs_second()) triangles += depth_images.draw_second(camera_, depths.first, depths.second, test);
   if (stored.is_combined()) made_->combination.run(camera_, stored, depths.first, depths.second, depths.combined);
   return triangles;
@@ -172,9 +225,10 @@ ComparedMap::Place ComparedMap::looked_up(std::size_t index) const {
     made_->read_look_ups = read_texels<glm::vec4>(texels, GL_RGBA);
   }
   const glm::vec4 found = made_->read_look_ups[index];
-  const auto image = std::ranges::find(camera_.images, static_cast<int>(found.z), &LightImage::layer);
+  const int coded = static_cast<int>(found.z);
+  const auto image = std::ranges::find(camera_.images, coded % decided_early, &LightImage::layer);
   const bool is_drawn = image != camera_.images.end() && found.x > -1e5;  // see set_light_camera
-  return {is_drawn ? &*image : nullptr, glm::dvec2(found.x, found.y), found.w};
+  return {is_drawn ? &*image : nullptr, glm::dvec2(found.x, found.y), found.w, coded >= decided_early};
 }
 
 std::vector<float> ComparedMap::noted() const {
@@ -201,11 +255,16 @@ std::string_view ComparedMap::alpha_cause(std::size_t index) const {
 std::optional<Explanation> ComparedMap::explain(std::size_t index) const {
   if (!faces_light(*made_->scene, *gbuffer_, light_, index)) return Explanation();
   Explanation why;
-  if (const auto [image, texel, number] = looked_up(index); image) {
-    why = explain_comparison({camera_, *image, depths()}, comparison(), gbuffer_->position(index), gbuffer_->normal(index),
-                             texel);
+  if (const Place place = looked_up(index); place.image) {
+    const int pixel = static_cast<int>(index), width = gbuffer_->width;
+    why = explain_comparison({camera_, *place.image, depths()}, comparison(),
+                             {.position = gbuffer_->position(index),
+                              .normal = gbuffer_->normal(index),
+                              .place = place.texel,
+                              .pixel = {pixel % width, pixel / width},
+                              .is_decided_early = place.is_decided_early});
     why.cause = alpha_cause(index);
-    explain_decision(number, why);
+    explain_decision(place.noted, why);
   }
   made_->glass_difference.explain(why, *gbuffer_, light_, index);
   return why;

@@ -68,7 +68,7 @@ std::size_t DepthImages::draw(const LightCamera& camera, Texture& target, Faces 
 std::size_t DepthImages::draw(const LightCamera& camera, Texture& target, StillLayer& still, Faces faces,
                               const HoleTest& test) {
   const bool is_kept = still.may_be_kept_ && moving_.number().is_update_of(still.drawn_) && still.faces_ == faces &&
-                       still.rule_ == test.rule && still.camera_ == camera;
+                       still.rule_ == test.rule && still.image_.format == format_ && still.camera_ == camera;
   still.drawn_ = {};  // until all is drawn
   still.was_kept_ = false;
   if (!still.is_wanted_ || !moving_.divide(boxes_)) {
@@ -106,7 +106,7 @@ std::size_t DepthImages::draw_second(const LightCamera& camera, const Texture& f
 std::size_t DepthImages::draw(CasterPrograms& programs, const LightCamera& camera, Texture& target, Faces faces,
                               const HoleTest& test, Which which) {
   if (test.rule != hole_test().rule) programs.fit(*scene_, test.rule);
-  target.fit(GL_DEPTH_COMPONENT32F, camera.resolution, camera.resolution, std::max(camera.layer_count, 1));
+  target.fit(format_, camera.resolution, camera.resolution, std::max(camera.layer_count, 1));
   const SceneBuffers& buffers = scene_buffers(*scene_);
   const GLuint framebuffer = framebuffer_.name();
   glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
@@ -115,27 +115,28 @@ std::size_t DepthImages::draw(CasterPrograms& programs, const LightCamera& camer
   glEnable(GL_DEPTH_CLAMP);
   glDepthFunc(GL_GREATER);
   std::size_t triangles = 0;
-  std::vector<std::uint32_t> lit, all;
+  std::vector<std::uint32_t> solid, all;
   for (const LightImage& image : camera.images) {
     if (image.layer < 0) continue;
-    lit.clear();
+    solid.clear();
     all.clear();
     for (const std::uint32_t m : image.casters) {
       if (!is_drawn(which, m)) continue;
-      (faces == Faces::lit && is_seen_from_outside(solid_parts_[m], image) ? lit : all).push_back(m);
+      (faces != Faces::all && is_seen_from_outside(solid_parts_[m], image) ? solid : all).push_back(m);
       triangles += buffers.meshes[m].triangle_count;
     }
-    if (which == Which::moving && lit.empty() && all.empty()) continue;
+    if (which == Which::moving && solid.empty() && all.empty()) continue;
     glNamedFramebufferTextureLayer(framebuffer, GL_DEPTH_ATTACHMENT, target.name(), 0, image.layer);
     const float infinitely_far = 0;
     if (which != Which::moving) glClearNamedFramebufferfv(framebuffer, GL_DEPTH, 0, &infinitely_far);
     programs.set("clip_from_world", glm::mat4(image.clip_from_world(camera.resolution)));
     programs.set_if_used("layer", image.layer);
     buffers.draw(all, programs, test);
-    if (lit.empty()) continue;
+    if (solid.empty()) continue;
     glEnable(GL_CULL_FACE);
-    glFrontFace(glm::determinant(image.light_from_world) < 0 ? GL_CW : GL_CCW);  // a mirrored face turns triangles about
-    buffers.draw(lit);                                                           // bodies: none has holes
+    const bool is_mirrored = glm::determinant(image.light_from_world) < 0;  // then triangles are turned about
+    glFrontFace(is_mirrored == (faces == Faces::lit) ? GL_CW : GL_CCW);
+    buffers.draw(solid);  // bodies: none has holes
     glDisable(GL_CULL_FACE);
   }
   glFrontFace(GL_CCW);
@@ -143,6 +144,12 @@ std::size_t DepthImages::draw(CasterPrograms& programs, const LightCamera& camer
   glDisable(GL_DEPTH_TEST);
   glNamedFramebufferTexture(framebuffer, GL_DEPTH_ATTACHMENT, 0, 0);
   return triangles;
+}
+
+double half_depth_step(int bits, const LightImage& image, double z) {
+  if (bits == 32) return 0;
+  const double half = std::ldexp(0.5, -bits);
+  return half * (image.is_perspective ? z * z / image.near : image.far - image.near);
 }
 
 }  // namespace gnomon

@@ -174,10 +174,11 @@ Program GlassMap::look_up_program(LightProjection projection, bool has_glass, Pu
   if (has_glass) constants += std::string(far_constants) + how.constants;
   return pass_program(
       fmt::format("{} {}", id(), names[static_cast<int>(purpose)]), constants,
-      fmt::format("{}{}#define HAS_GLASS {:d}\n#define EXPLAINS {:d}\n#define GLASS_FILTER {:d}\n{}{}{}{}{}{}",
+      fmt::format("{}{}#define HAS_GLASS {:d}\n#define EXPLAINS {:d}\n#define GLASS_FILTER {:d}\n{}{}{}{}{}{}{}",
                   light_map_head(projection), comparison_head(comparison()), has_glass, purpose == Purpose::explain,
-                  is_bilinear(), gbuffer_snippet, light_map_snippet, comparison_snippet, has_glass ? far_snippet : "",
-                  has_glass ? how.share : "", purpose == Purpose::curve ? curve_body : look_up_body));
+                  is_bilinear(), gbuffer_snippet, light_map_snippet, comparison_snippet, filter_snippet,
+                  has_glass ? far_snippet : "", has_glass ? how.share : "",
+                  purpose == Purpose::curve ? curve_body : look_up_body));
 }
 
 void GlassMap::setup() {

@@ -80,8 +80,8 @@ std::vector<GlassTexel> GlassMap::texels_at(const Place& place, const glm::dvec3
 }
 
 Explanation GlassMap::why_at(const Place& place, std::size_t index) const {
-  return explain_comparison({camera_, *place.image, depths()}, comparison(), gbuffer_->position(index), gbuffer_->normal(index),
-                            place.texel);
+  return explain_comparison({camera_, *place.image, depths()}, comparison(),
+                            {.position = gbuffer_->position(index), .normal = gbuffer_->normal(index), .place = place.texel});
 }
 
 void GlassMap::prepare_lists() const {

@@ -1,58 +1,17 @@
 #include <gnomon/kit/maps/map_comparison.h>
 
-#include <numbers>
-
 namespace gnomon {
-
-int MapFilter::margin() const {
-  return kind == Kind::pcf ? radius : kind == Kind::disc ? radius + 1 : kind == Kind::bilinear ? 1 : 0;
-}
-
-// The point is up to half a texel from the middle of its own, along both axes; that of a disc is its center.
-double MapFilter::reach() const {
-  if (kind == Kind::disc) return (radius + 0.5) * std::numbers::sqrt2;
-  return kind == Kind::pcf ? 2 * radius + 1 : kind == Kind::bilinear ? 2 : 1;
-}
-
-std::vector<WeightedTexel> MapFilter::texels(const glm::dvec2& place) const {
-  const glm::ivec2 own(glm::floor(place));
-  std::vector<WeightedTexel> texels;
-  double sum = 0;
-  const auto add = [&](const glm::ivec2& texel, double weight) {
-    texels.push_back({texel, weight});
-    sum += weight;
-  };
-  if (kind == Kind::bilinear) {
-    const glm::dvec2 corner = glm::floor(place - 0.5), share = place - 0.5 - corner;
-    for (int k = 0; k < 4; ++k) {
-      const glm::ivec2 aside(k % 2, k / 2);
-      const glm::dvec2 near = glm::mix(1.0 - share, share, glm::dvec2(aside));
-      add(glm::ivec2(corner) + aside, near.x * near.y);
-    }
-  } else {
-    const int m = margin();
-    for (int y = -m; y <= m; ++y)
-      for (int x = -m; x <= m; ++x) {
-        const glm::ivec2 texel = own + glm::ivec2(x, y);
-        const double distance = glm::distance(glm::dvec2(texel) + 0.5, place);
-        add(texel, kind == Kind::disc ? glm::clamp(radius + 0.5 - distance, 0.0, 1.0) : 1);
-      }
-  }
-  for (WeightedTexel& one : texels) one.weight /= sum;
-  return texels;
-}
 
 int MapComparison::margin() const {
   const int offset = bias == Bias::normal_offset ? static_cast<int>(std::ceil(normal_offset)) : 0;
   return filter.margin() + offset + 1;
 }
 
-Explanation explain_comparison(const DepthTexels& texels, const MapComparison& comparison, const glm::dvec3& point,
-                               const glm::dvec3& normal, const glm::dvec2& place) {
+Explanation explain_comparison(const DepthTexels& texels, const MapComparison& comparison, const ExplainedPoint& point) {
   const LightImage& image = texels.image;
   Explanation why;
-  glm::dvec3 q = image.seen(point);
-  const glm::dvec3 n = image.turned(normal), ray = image.is_perspective ? q / q.z : glm::dvec3(0, 0, 1);
+  glm::dvec3 q = image.seen(point.position);
+  const glm::dvec3 n = image.turned(point.normal), ray = image.is_perspective ? q / q.z : glm::dvec3(0, 0, 1);
   const double facing = -glm::dot(n, ray);
   const glm::dvec2 width = image.texel_width(q);
   why.texel_width = std::max(width.x, width.y);
@@ -71,8 +30,10 @@ Explanation explain_comparison(const DepthTexels& texels, const MapComparison& c
   }
   why.bias = axis_bias * glm::length(ray);
   // A point that nothing shadows may be looked up beside the image; where something does, its shadow is not in there.
-  why.covered = texels.camera.holds(glm::ivec2(glm::floor(place)));
-  for (const auto& [texel, weight] : comparison.filter.texels(place))
+  why.covered = texels.camera.holds(glm::ivec2(glm::floor(point.place)));
+  const MapFilter& filter = comparison.filter;
+  for (const auto& [texel, weight] :
+       point.is_decided_early ? filter.first_texels(point.place) : filter.texels(point.place, point.pixel))
     if (weight > 0) why.taps.push_back(texels.camera.tap(image, texels.depths, texel, weight));
   return why;
 }
@@ -80,8 +41,7 @@ Explanation explain_comparison(const DepthTexels& texels, const MapComparison& c
 // --- The same in the shader ------------------------------------------------------------------------------------------------
 
 std::string comparison_head(const MapComparison& comparison) {
-  return fmt::format("#define BIAS {}\n#define FILTER {}\n", static_cast<int>(comparison.bias),
-                     static_cast<int>(comparison.filter.kind));
+  return fmt::format("#define BIAS {}\n{}", static_cast<int>(comparison.bias), filter_head(comparison.filter));
 }
 
 // depth_bias, half of slope_bias and normal_offset, each times the filter's reach, and rounding; the diagonal of a texel in
@@ -97,7 +57,7 @@ void set_comparison(const Program& program, const Light& light, const LightCamer
     if (!image.is_perspective) return image.far;
     return comparison.bias == Bias::slope ? glm::length(1.0 / image.scale) : camera.rounding / (image.near * image.far);
   });
-  program.set_if_used("radius", comparison.filter.radius);
+  set_filter(program, comparison.filter);
   program.set_if_used("biases",
                       glm::vec4(comparison.depth_bias, 0.5 * comparison.slope_bias, comparison.normal_offset, camera.rounding));
   program.set_if_used("diagonal", static_cast<float>(glm::length(1.0 / camera.images[0].scale)));
@@ -108,9 +68,6 @@ void set_comparison(const Program& program, const Light& light, const LightCamer
 // (parallel rays), the texel's diagonal in window coordinates (slope bias) or the rounding error of the depth per squared axis
 // distance (receiver plane).
 const std::string_view comparison_snippet = R"(
-#if FILTER == 1 || FILTER == 2
-uniform int radius;
-#endif
 // Of a texel, in window coordinates.
 #ifdef WARPED
 #define diagonal length(light_stretch / light_window.xy)
@@ -220,32 +177,6 @@ ComparedPoint ask(vec4 surface, vec4 facet) {
 #else
   return ComparedPoint(faces, position, scale, depth, bias);
 #endif
-}
-
-float compared(ComparedPoint point) {
-  vec2 position = point.position;
-#if FILTER == 0
-  float lit = lit_at(point, floor(position));
-#elif FILTER == 3
-  vec2 corner = floor(position - 0.5), share = position - 0.5 - corner;
-  float upper = lit_at(point, corner), upper_right = lit_at(point, corner + vec2(1, 0));
-  float lower = lit_at(point, corner + vec2(0, 1)), lower_right = lit_at(point, corner + vec2(1, 1));
-  // Differences: four of one kind give that exactly.
-  upper += share.x * (upper_right - upper), lower += share.x * (lower_right - lower);
-  float lit = upper + share.y * (lower - upper);
-#else
-  float lit = 0, sum = 0;
-  vec2 center = floor(position);
-  int reach = radius + FILTER - 1;
-  for (int y = -reach; y <= reach; ++y)
-    for (int x = -reach; x <= reach; ++x) {
-      vec2 tap = center + vec2(x, y);
-      float weight = FILTER == 1 ? 1 : clamp(float(radius) + 0.5 - distance(tap + 0.5, position), 0, 1);
-      lit += weight * lit_at(point, tap), sum += weight;
-    }
-  lit = min(lit / sum, 1);  // x / x may be above 1: division is right to 2.5 units in the last place
-#endif
-  return point.is_compared ? lit : 1;
 }
 )";
 

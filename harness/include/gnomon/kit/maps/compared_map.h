@@ -14,9 +14,12 @@ namespace gnomon {
 class ComparedMap : public Technique {
  public:
   Support supports(const Scene& scene, const Light& light, const View&) const override {
+    if (filter.is("optimized") && filter_radius > MapFilter::most_optimized)
+      return Support::unsupported(fmt::format("filter=optimized has weights for filter_radius 1 to {}, not for {}",
+                                              MapFilter::most_optimized, filter_radius.value()));
     const Support support =
         light_map_support(light, resolution, comparison().margin(), MapComparison::constant_count, images());
-    return glass.limit(scene, alpha.limit(scene, support));
+    return glass.limit(scene, alpha.limit(scene, coarse_depth(scene, light, support)));
   }
   void setup() override;
   void build(const Scene& scene) override;
@@ -44,7 +47,7 @@ class ComparedMap : public Technique {
   virtual LightImages images() const { return LightImages::faces; }
 
   /// GLSL that answers where something else than depths can, read by setup; empty: depths answer everywhere. It follows
-  /// comparison_snippet, has texture units and storage bindings as `bind_decision` binds them, units from 4 on, and offers
+  /// filter_snippet, has texture units and storage bindings as `bind_decision` binds them, units from 4 on, and offers
   ///
   ///   float decided(vec4 surface, vec4 facet, ComparedPoint point)   the answer; compared(point) is that of the depths
   ///   float noted(vec4 surface, vec4 facet, ComparedPoint point)     a number for `explain_decision` and `noted`
@@ -83,11 +86,15 @@ class ComparedMap : public Technique {
   Choice bias;
   Number<double> depth_bias, slope_bias, normal_offset;
   Choice filter;
-  Number<int> filter_radius;
+  Number<int> filter_radius, filter_taps, noise_frame, noise_frames;
+  Flag early_bail;
+  Choice faces, depth_bits;
   AlphaSetting alpha{this, Stage::relight};
   GlassSetting glass{this};
   UpdateSetting update_by{this};
 
+  /// The same, unless bits leave depth steps that a scene shows.
+  Support coarse_depth(const Scene& scene, const Light& light, const Support& support) const;
   /// Biases are for one texel: a filter compares with texels farther away.
   MapComparison comparison() const;
   /// Arrays with one layer for each image that is drawn.
@@ -101,6 +108,8 @@ class ComparedMap : public Technique {
   }
   /// Draws the images of the present camera; answers how many triangles were drawn.
   std::size_t draw(Depths& depths, const HoleTest& test) const;
+  /// Of depth in the present setting: 16, 24 or 32.
+  int bits() const { return stored_depth().needs_second() ? 32 : 16 + 8 * depth_bits.index(); }
   void start_questions() const;
   const std::vector<float>& depths() const;
   /// A pixel's image and its place there, in texels, in the last resolve.
@@ -108,6 +117,7 @@ class ComparedMap : public Technique {
     const LightImage* image;  ///< null: nothing casts there
     glm::dvec2 texel;
     float noted;  ///< by the decision
+    bool is_decided_early;
   };
   Place looked_up(std::size_t index) const;
   std::vector<float> answer(const Depths& depths) const;

@@ -16,8 +16,8 @@ bool is_seen_from_outside(std::span<const Bounds> solid_parts, const LightSpaceF
 /// Draws the images of light cameras. One serves all lights of a technique: keep it with what they share.
 class DepthImages {
  public:
-  /// Every triangle, or of solid casters only what is turned to the light: the first surface is the same.
-  enum class Faces { all, lit };
+  /// Every triangle; of solid casters only what is turned to the light: the first surface is the same; or what is turned away.
+  enum class Faces { all, lit, unlit };
 
   /// What one light of a technique has beside an image of first surfaces that is drawn by layers: an image of the casters that
   /// stand still, and how it was drawn. Keep it with that image, its only one.
@@ -60,9 +60,11 @@ class DepthImages {
   /// By that rule; by the texel's where no mesh has a mask.
   HoleTest hole_test() const { return alpha_levels_.hole_test(); }
 
-  /// The first surface seen from the light, one layer for each image with casters, into `target`, which becomes D32F of the
-  /// camera's size: reversed depth, 0 where there is nothing. Answers how many triangles were drawn. `test` is `hole_test` or
-  /// the texel's.
+  /// What images store depth as, from the next drawing on: GL_DEPTH_COMPONENT32F, 24 or 16.
+  void use_format(GLenum format) { format_ = format; }
+  /// The first surface seen from the light, one layer for each image with casters, into `target`, which becomes an image of the
+  /// format and of the camera's size: reversed depth, 0 where there is nothing. Answers how many triangles were drawn. `test`
+  /// is `hole_test` or the texel's.
   std::size_t draw(const LightCamera& camera, Texture& target, Faces faces = Faces::lit, const HoleTest& test = {});
   /// The same. Where some casters move and others do not, those that stand still are drawn into the layer, unless it may be
   /// kept, and the others over a copy of it. The nearest surface is the same in whatever order casters are drawn.
@@ -91,7 +93,12 @@ class DepthImages {
   MovingMeshes moving_;
   SolidParts solid_parts_;
   AlphaLevels alpha_levels_;
+  GLenum format_ = GL_DEPTH_COMPONENT32F;
 };
+
+/// Half a step between depths that a number of bits tells apart, 32 meaning float: what is stored may be off by so much at axis
+/// distance z, in meters. Depth is near / z where rays start at the light, linear where they are parallel.
+double half_depth_step(int bits, const LightImage& image, double z);
 
 /// How a camera looks; for shaders PROJECTION of `light_map_head`.
 enum class LightProjection { parallel, centered, cube };

@@ -1,25 +1,11 @@
 #pragma once
 #include <gnomon/kit/maps/light_map.h>
+#include <gnomon/kit/maps/map_filter.h>
 
 namespace gnomon {
 
 // How a point is compared with the depths that a light camera stored: bias and filter, for techniques that differ in which
 // images they draw. The shader decides; the same in double explains.
-
-/// Which texels are compared for one point. Mirrored by the shader.
-struct MapFilter {
-  enum class Kind { nearest, pcf, disc, bilinear };  ///< in the order of the parameter's choices
-  Kind kind = Kind::nearest;
-  int radius = 0;  ///< texels; of pcf and disc
-
-  /// Texels that a comparison may lie beside the one that holds the point.
-  int margin() const;
-  /// How far the centers of compared texels may be from the point, in half diagonals of a texel. Depths of a plane spread by so
-  /// much more than inside one texel, and biases grow with it.
-  double reach() const;
-  /// For a point at this place, in texels. Weights sum to 1.
-  std::vector<WeightedTexel> texels(const glm::dvec2& place) const;
-};
 
 /// As the parameters of the same names say, times the reach of the filter.
 struct MapComparison {
@@ -41,16 +27,24 @@ struct DepthTexels {
   std::span<const float> depths;
 };
 
-/// What the shader does with one point. `place` is where the shader looked it up, in texels: shader and explanation may differ
-/// where stored and expected depth agree to float32 rounding, but for the texels.
-Explanation explain_comparison(const DepthTexels& texels, const MapComparison& comparison, const glm::dvec3& point,
-                               const glm::dvec3& normal, const glm::dvec2& place);
+/// A point, and where the shader looked it up.
+struct ExplainedPoint {
+  glm::dvec3 position, normal;
+  glm::dvec2 place;               ///< in texels
+  glm::ivec2 pixel{0};            ///< that it is seen in
+  bool is_decided_early = false;  ///< by the five texels of MapFilter::first_texels
+};
+
+/// What the shader does with one point. Shader and explanation may differ where stored and expected depth agree to float32
+/// rounding, but for the texels.
+Explanation explain_comparison(const DepthTexels& texels, const MapComparison& comparison, const ExplainedPoint& point);
 
 /// GLSL: compiled for one bias and one filter by the head, after that of the light map. `comparison_constants` are beside those
 /// of the light map. The snippet offers
 ///
 ///   ComparedPoint ask(vec4 surface, vec4 facet)   of position_here and normal_here: chooses the image
 ///   float compared(ComparedPoint point)           the answer: 1 where the point is none to decide
+///   bool is_decided_early                         of the last answer: by the five texels
 ///
 /// and in `ComparedPoint` the `position`, in texels, where the point is looked up.
 std::string comparison_head(const MapComparison& comparison);
