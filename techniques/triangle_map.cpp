@@ -114,7 +114,7 @@ class TriangleMap final : public FittedMap {
     }
     const std::size_t block = std::max(vertices * sizeof(glm::vec3), triangles * sizeof(glm::uvec3));
     return within_limits({.fragment_storage_blocks = 3,
-                          .compute_storage_blocks = 1,
+                          .compute_storage_blocks = mask_pass() == MaskPass::compute ? 3 : 1,
                           .storage_bindings = 3,
                           .storage_block_bytes = static_cast<std::int64_t>(block),
                           .work_group_size = 64,

@@ -1,5 +1,6 @@
 #include <gnomon/kit/gl/gl_pass.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace gnomon {
@@ -23,10 +24,67 @@ bool covers(const std::vector<PixelRectangle>& rectangles, const Texture& pictur
   return rectangles.size() == 1 && rectangles[0] == PixelRectangle{0, 0, picture.width, picture.height};
 }
 
+// Lanes of a group lie along a row of the picture. An invocation answers pixels one below the other, and reads what is constant
+// once for all of them.
+constexpr int group_width = 32, group_height = 2, rows_each = 4;
+constexpr int largest_picture = 16384;
+
+// What gbuffer_snippet offers, by imageLoad (docs/decisions/image_passes.md). Beyond the picture it gives 0, as background has,
+// and a store does nothing.
+constexpr std::string_view gbuffer_images = R"(
+layout(binding = 0, r32f) writeonly uniform image2D gbuffer_mask;
+layout(binding = 1, rgba32f) readonly uniform image2D gbuffer_position;
+layout(binding = 2, rgba32f) readonly uniform image2D gbuffer_normal;
+layout(binding = 3, rg32ui) readonly uniform uimage2D gbuffer_ids;
+uniform int gbuffer_left, gbuffer_top;
+ivec2 gbuffer_pixel;
+vec4 position_here() { return imageLoad(gbuffer_position, gbuffer_pixel); }
+vec4 normal_here() { return imageLoad(gbuffer_normal, gbuffer_pixel); }
+uvec2 ids_here() { return imageLoad(gbuffer_ids, gbuffer_pixel).xy; }
+vec2 pixel_here() { return vec2(gbuffer_pixel); }
+)";
+
+constexpr std::string_view mask_fragment_body = R"(
+layout(location = 0) out float visibility;
+void main() { visibility = visibility_here(); }
+)";
+
+constexpr std::string_view mask_compute_body = R"(
+void main() {
+  hand_on();
+  ivec2 place = ivec2(gl_GlobalInvocationID.xy);
+  int first = gbuffer_top + place.y * ROWS_EACH, end = min(first + ROWS_EACH, imageSize(gbuffer_mask).y);
+  for (int row = first; row < end; ++row) {
+    gbuffer_pixel = ivec2(gbuffer_left + place.x, row);
+    imageStore(gbuffer_mask, gbuffer_pixel, vec4(visibility_here()));
+  }
+}
+)";
+
+/// begin_mask and draw_receivers of a compute shader. Rectangles may be neighbors: pixels that groups of both hold are computed
+/// twice, alike.
+void dispatch_mask(const Program& program, unsigned texture, const GBufferTextures& gbuffer) {
+  const float lit = 1;
+  if (!covers(gbuffer.receivers, gbuffer.position)) glClearTexImage(texture, 0, GL_RED, GL_FLOAT, &lit);
+  glBindImageTexture(0, texture, 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_R32F);
+  const Texture* const inputs[] = {&gbuffer.position, &gbuffer.normal, &gbuffer.ids};
+  for (GLuint k = 0; k < std::size(inputs); ++k)
+    glBindImageTexture(k + 1, inputs[k]->name(), 0, GL_FALSE, 0, GL_READ_ONLY, inputs[k]->format);
+  glUseProgram(program.name());
+  const auto groups = [](int pixels, int each) { return static_cast<GLuint>((pixels + each - 1) / each); };
+  for (const PixelRectangle& r : gbuffer.receivers) {
+    program.set("gbuffer_left", r.left);
+    program.set("gbuffer_top", r.top);
+    glDispatchCompute(groups(r.right - r.left, group_width), groups(r.bottom - r.top, group_height * rows_each), 1);
+  }
+  glMemoryBarrier(GL_SHADER_IMAGE_ACCESS_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT | GL_TEXTURE_UPDATE_BARRIER_BIT |
+                  GL_FRAMEBUFFER_BARRIER_BIT);
+}
+
 }  // namespace
 
 PassConstants::PassConstants(std::string_view declarations) {
-  std::string copies;
+  std::string copies, names;
   for (std::string_view rest = declarations; !trimmed(rest).empty();) {
     const std::size_t end = rest.find(';');
     const std::string_view one = trimmed(rest.substr(0, end));
@@ -37,10 +95,15 @@ PassConstants::PassConstants(std::string_view declarations) {
     const std::string_view type = one.substr(0, space), name = trimmed(one.substr(space));
     const std::string_view alone = trimmed(name.substr(0, name.find('[')));
     vertex += fmt::format("uniform {0} {1};\nflat out {0} flat_{1};\n", type, name);
+    fragment += fmt::format("flat in {} flat_{};\n", type, name);
+    compute += fmt::format("uniform {0} {1};\n{0} flat_{1};\n", type, name);
     copies += fmt::format("  flat_{0} = {0};\n", alone);
-    fragment += fmt::format("flat in {0} flat_{1};\n#define {2} flat_{2}\n", type, name, alone);
+    names += fmt::format("#define {0} flat_{0}\n", alone);
   }
-  vertex += "void hand_on() {\n" + copies + "}\n";
+  const std::string hand_on = "void hand_on() {\n" + copies + "}\n";
+  vertex += hand_on;
+  fragment += names;
+  compute += hand_on + names;
 }
 
 Program pass_program(std::string_view title, std::string_view constants, std::string_view fragment) {
@@ -88,6 +151,26 @@ void draw_mask(const Program& program, const Framebuffer& framebuffer, unsigned 
   glNamedFramebufferTexture(framebuffer.name(), GL_COLOR_ATTACHMENT0, 0, 0);
 }
 
+GlLimits mask_pass_needs(MaskPass by) {
+  if (by == MaskPass::fragment) return {};
+  constexpr int shorter = std::min(group_width, group_height * rows_each);
+  return {.work_group_size = group_width * group_height, .work_groups = largest_picture / shorter};
+}
+
+Program mask_program(std::string_view title, std::string_view constants, std::string_view answer, MaskPass by) {
+  if (by == MaskPass::fragment)
+    return pass_program(title, constants, fmt::format("{}{}{}", gbuffer_snippet, answer, mask_fragment_body));
+  return Program::compute(
+      title, fmt::format("layout(local_size_x = {}, local_size_y = {}) in;\n#define ROWS_EACH {}\n{}{}{}{}", group_width,
+                         group_height, rows_each, PassConstants(constants).compute, gbuffer_images, answer, mask_compute_body));
+}
+
+void draw_mask(const Program& program, MaskPass by, const Framebuffer& framebuffer, unsigned texture,
+               const GBufferTextures& gbuffer) {
+  if (by == MaskPass::fragment) return draw_mask(program, framebuffer, texture, gbuffer);
+  dispatch_mask(program, texture, gbuffer);
+}
+
 void bind_gbuffer(const GBufferTextures& textures) {
   const GLuint names[] = {textures.position.name(), textures.normal.name(), textures.ids.name()};
   glBindTextures(0, 3, names);
@@ -103,6 +186,7 @@ vec2 gbuffer_place() { return gl_FragCoord.xy / vec2(textureSize(gbuffer_positio
 vec4 position_here() { return textureLod(gbuffer_position, gbuffer_place(), 0); }
 vec4 normal_here() { return textureLod(gbuffer_normal, gbuffer_place(), 0); }
 uvec2 ids_here() { return textureLod(gbuffer_ids, gbuffer_place(), 0).xy; }
+vec2 pixel_here() { return gl_FragCoord.xy - 0.5; }
 )";
 
 const std::string_view faces_light_constants = "vec4 light; vec4 spot;";

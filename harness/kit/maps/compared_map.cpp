@@ -12,10 +12,9 @@ float noted(vec4 surface, vec4 facet, ComparedPoint point) { return 0; }
 )";
 
 constexpr std::string_view compare_body = R"(
-layout(location = 0) out float visibility;
-void main() {
+float visibility_here() {
   vec4 surface = position_here(), facet = normal_here();
-  visibility = decided(surface, facet, ask(surface, facet));
+  return decided(surface, facet, ask(surface, facet));
 }
 )";
 
@@ -49,25 +48,9 @@ ComparedMap::ComparedMap(const Defaults& defaults)
                  "Slope-scaled bias, times the tangent of the angle between normal and light; for bias=slope."),
       normal_offset(this, "normal_offset", 1.5, {.unit = "texel", .min = 0, .max = 16}, Stage::relight,
                     "How far the look-up point is moved along the normal; for bias=normal_offset."),
-      filter(this, "filter", "nearest", {"nearest", "pcf", "disc", "bilinear", "optimized", "bicubic", "rotated"}, Stage::setup,
-             "One comparison, or the mean of several (percentage-closer filtering): of (2 filter_radius + 1)^2 texels, of a "
-             "disc around the point, of the four nearest with the weights of graphics cards, of 3, 5 or 7 a side with fixed "
-             "weights that move with the point, of 4 a side with those of a cubic spline, or of filter_taps on a spiral that "
-             "noise turns in each pixel."),
-      filter_radius(this, "filter_radius", 1, {.unit = "texel", .min = 1, .max = 8}, Stage::relight,
-                    "Half the side of the square beside its middle texel, less half a texel the disc's radius; for filter=pcf"
-                    ", disc, rotated and, up to 3, optimized."),
-      filter_taps(this, "filter_taps", 8, {.min = 1, .max = MapFilter::most_taps, .log = true}, Stage::resolve,
-                  "Comparisons on the spiral, in each frame; for filter=rotated."),
-      noise_frame(this, "noise_frame", 0, {.min = 0, .max = 63}, Stage::resolve,
-                  "Which frame's noise turns the spiral: interleaved gradient noise, moved by 5.588238 pixels a frame; for "
-                  "filter=rotated."),
-      noise_frames(this, "noise_frames", 1, {.min = 1, .max = 16, .log = true}, Stage::resolve,
-                   "How many frames' answers are averaged, from noise_frame on: what an average over time comes to; for "
-                   "filter=rotated."),
-      early_bail(this, "early_bail", false, Stage::setup,
-                 "Five texels of the filter, the middle one and four around it, decide where they agree; for filters of more "
-                 "than four texels."),
+      pass(this, "pass", name(default_mask_pass), {name(MaskPass::fragment), name(MaskPass::compute)}, Stage::setup,
+           "What looks points up: fragments of a triangle over the picture, or invocations of a compute shader. The mask is "
+           "the same."),
       faces(this, "faces", "front", {"front", "back", "both"}, Stage::relight,
             "Which faces of closed casters images show: those turned to the light, those turned away, or both; of open ones "
             "all. For what stores the first surface."),
@@ -76,12 +59,7 @@ ComparedMap::ComparedMap(const Defaults& defaults)
                  "surface.") {}
 
 MapComparison ComparedMap::comparison() const {
-  const MapFilter used{.kind = MapFilter::Kind(filter.index()),
-                       .radius = filter_radius,
-                       .taps = filter_taps,
-                       .first_frame = noise_frame,
-                       .frames = noise_frames,
-                       .bails_early = early_bail};
+  const MapFilter used = filter.used();
   const double reach = used.reach();
   return {MapComparison::Bias(bias.index()), reach * depth_bias, reach * slope_bias, reach * normal_offset, used};
 }
@@ -89,11 +67,11 @@ MapComparison ComparedMap::comparison() const {
 Program ComparedMap::resolve_program(LightProjection projection, bool explains) const {
   const std::string head = fmt::format("{}{}#define DECIDED_EARLY {}\n", light_map_head(projection, images()),
                                        comparison_head(comparison()), decided_early);
-  const std::string by_more = decision();
-  return pass_program(
-      fmt::format("{} {}", id(), explains ? "explain" : "resolve"), comparison_constants(projection, images()),
-      fmt::format("{}{}{}{}{}{}{}", head, gbuffer_snippet, light_map_snippet, comparison_snippet, filter_snippet,
-                  by_more.empty() ? depths_decide : by_more, explains ? explain_body : compare_body));
+  const std::string by_more = decision(), constants = comparison_constants(projection, images());
+  const std::string text = fmt::format("{}{}{}{}{}", head, light_map_snippet, comparison_snippet, filter_snippet,
+                                       by_more.empty() ? depths_decide : by_more);
+  if (!explains) return mask_program(fmt::format("{} resolve", id()), constants, text + std::string(compare_body), mask_pass());
+  return pass_program(fmt::format("{} explain", id()), constants, fmt::format("{}{}{}", gbuffer_snippet, text, explain_body));
 }
 
 void ComparedMap::setup() {
@@ -176,15 +154,15 @@ void ComparedMap::resolve(const GBuffer& gbuffer, VisibilityMask& mask) {
     made_->alpha_difference.reset();
   }
   if (draws_in_resolve_) draw_images(fitted_to_view(light_, made_->depth_images.boxes(), gbuffer, comparison().margin()));
-  look_up(made_->resolve_programs[int(projection())], depths_, mask.texture());
+  look_up(made_->resolve_programs[int(projection())], mask_pass(), depths_, mask.texture());
   glFinish();
 }
 
-void ComparedMap::look_up(const Program& program, const Depths& depths, unsigned target) const {
+void ComparedMap::look_up(const Program& program, MaskPass by, const Depths& depths, unsigned target) const {
   set_comparison(program, light_, camera_, comparison());
   glBindTextureUnit(3, map(depths).name());
   bind_decision(program, light_, *gbuffer_);
-  draw_mask(program, made_->framebuffer, target, gbuffer_textures(*gbuffer_, *made_->scene));
+  draw_mask(program, by, made_->framebuffer, target, gbuffer_textures(*gbuffer_, *made_->scene));
 }
 
 Counts ComparedMap::counts() const {
@@ -221,7 +199,7 @@ ComparedMap::Place ComparedMap::looked_up(std::size_t index) const {
     auto& program = made_->explain_programs[int(projection())];
     if (!program) program = resolve_program(projection(), true);
     const Texture texels(GL_RGBA32F, gbuffer_->width, gbuffer_->height);
-    look_up(*program, depths_, texels.name());
+    look_up(*program, MaskPass::fragment, depths_, texels.name());
     made_->read_look_ups = read_texels<glm::vec4>(texels, GL_RGBA);
   }
   const glm::vec4 found = made_->read_look_ups[index];
@@ -240,7 +218,8 @@ std::vector<float> ComparedMap::noted() const {
 
 /// The mask of the last resolve, once more, of these images of its camera.
 std::vector<float> ComparedMap::answer(const Depths& depths) const {
-  return read_mask(*gbuffer_, [&](unsigned target) { look_up(made_->resolve_programs[int(projection())], depths, target); });
+  return read_mask(*gbuffer_,
+                   [&](unsigned target) { look_up(made_->resolve_programs[int(projection())], mask_pass(), depths, target); });
 }
 
 std::string_view ComparedMap::alpha_cause(std::size_t index) const {

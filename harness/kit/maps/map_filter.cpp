@@ -225,7 +225,7 @@ float compared(ComparedPoint point) {
 #elif FILTER == 6
   float lit = 0, sum = 0;
   for (int frame = noise_begin; frame < noise_end && !is_decided_early; ++frame) {
-    float turn = 6.2831853 * gradient_noise(gl_FragCoord.xy - 0.5 + 5.588238 * float(frame)), c = cos(turn), s = sin(turn);
+    float turn = 6.2831853 * gradient_noise(pixel_here() + 5.588238 * float(frame)), c = cos(turn), s = sin(turn);
     for (int k = 0; k < spiral_taps; ++k)
       lit += lit_at(point, floor(position + mat2(c, s, -s, c) * spiral[k].xy)), sum += 1;
   }

@@ -1,4 +1,5 @@
 #pragma once
+#include <gnomon/kit/maps/filter_setting.h>
 #include <gnomon/kit/maps/map_causes.h>
 #include <gnomon/kit/maps/map_comparison.h>
 #include <gnomon/kit/maps/stored_depth.h>
@@ -14,9 +15,8 @@ namespace gnomon {
 class ComparedMap : public Technique {
  public:
   Support supports(const Scene& scene, const Light& light, const View&) const override {
-    if (filter.is("optimized") && filter_radius > MapFilter::most_optimized)
-      return Support::unsupported(fmt::format("filter=optimized has weights for filter_radius 1 to {}, not for {}",
-                                              MapFilter::most_optimized, filter_radius.value()));
+    if (const Support supported = filter.support(); !supported) return supported;
+    if (const Support passes = within_limits(mask_pass_needs(mask_pass())); !passes) return passes;
     const Support support =
         light_map_support(light, resolution, comparison().margin(), MapComparison::constant_count, images());
     return glass.limit(scene, alpha.limit(scene, coarse_depth(scene, light, support)));
@@ -46,8 +46,9 @@ class ComparedMap : public Technique {
   virtual StoredDepth stored_depth() const { return {}; }
   virtual LightImages images() const { return LightImages::faces; }
 
-  /// GLSL that answers where something else than depths can, read by setup; empty: depths answer everywhere. It follows
-  /// filter_snippet, has texture units and storage bindings as `bind_decision` binds them, units from 4 on, and offers
+  /// GLSL that answers where something else than depths can, read by setup; empty: depths answer everywhere. It is for both
+  /// passes (see mask_program), follows filter_snippet, has texture units and storage bindings as `bind_decision` binds
+  /// them, units from 4 on, and offers
   ///
   ///   float decided(vec4 surface, vec4 facet, ComparedPoint point)   the answer; compared(point) is that of the depths
   ///   float noted(vec4 surface, vec4 facet, ComparedPoint point)     a number for `explain_decision` and `noted`
@@ -62,13 +63,14 @@ class ComparedMap : public Technique {
   std::vector<float> noted() const;
 
   int image_resolution() const { return resolution; }
+  MaskPass mask_pass() const { return MaskPass(pass.index()); }
   const GBuffer& gbuffer() const { return *gbuffer_; }
 
   /// What all lights share: a member of it each technique passes to `another`.
   struct Made {
     DepthImages depth_images;
     DepthCombination combination;
-    std::array<Program, light_projection_count> resolve_programs;  // of the present bias and filter
+    std::array<Program, light_projection_count> resolve_programs;  // of the present bias, filter and pass
     std::array<std::optional<Program>, light_projection_count> explain_programs;
     Framebuffer framebuffer;
     const Scene* scene = nullptr;
@@ -85,10 +87,8 @@ class ComparedMap : public Technique {
   Number<int> resolution;
   Choice bias;
   Number<double> depth_bias, slope_bias, normal_offset;
-  Choice filter;
-  Number<int> filter_radius, filter_taps, noise_frame, noise_frames;
-  Flag early_bail;
-  Choice faces, depth_bits;
+  FilterSetting filter{this};
+  Choice pass, faces, depth_bits;
   AlphaSetting alpha{this, Stage::relight};
   GlassSetting glass{this};
   UpdateSetting update_by{this};
@@ -125,7 +125,7 @@ class ComparedMap : public Technique {
   std::string_view alpha_cause(std::size_t index) const;
   void draw_images(LightCamera&& camera);
   /// Runs a program of resolve over all pixels, into a texture.
-  void look_up(const Program& program, const Depths& depths, unsigned target) const;
+  void look_up(const Program& program, MaskPass by, const Depths& depths, unsigned target) const;
   Program resolve_program(LightProjection projection, bool explains) const;
   LightProjection projection() const { return projection_of(camera_); }
 
