@@ -207,12 +207,13 @@ const bool is_decided_early = false;
 float compared(ComparedPoint point) {
   vec2 position = point.position;
 #ifdef BAILS_EARLY
-  // A loop ends as soon as no pixel beside has anything left to do; of a branch both sides may be paid.
   float five = 0;
   for (int k = 0; k < 5; ++k)
     five += lit_at(point, floor(position) + (k == 4 ? vec2(0) : float(first_step) * vec2(k % 2 * 2 - 1, k / 2 * 2 - 1)));
   is_decided_early = five == 0 || five == 5;
 #endif
+  // Loops end at once where no pixel beside has anything to do; of a branch both sides may be paid.
+  bool is_done = !point.is_compared || is_decided_early;
 #if FILTER == 0
   float lit = lit_at(point, floor(position));
 #elif FILTER == 3
@@ -224,7 +225,7 @@ float compared(ComparedPoint point) {
   float lit = upper + share.y * (lower - upper);
 #elif FILTER == 6
   float lit = 0, sum = 0;
-  for (int frame = noise_begin; frame < noise_end && !is_decided_early; ++frame) {
+  for (int frame = noise_begin; frame < noise_end && !is_done; ++frame) {
     float turn = 6.2831853 * gradient_noise(pixel_here() + 5.588238 * float(frame)), c = cos(turn), s = sin(turn);
     for (int k = 0; k < spiral_taps; ++k)
       lit += lit_at(point, floor(position + mat2(c, s, -s, c) * spiral[k].xy)), sum += 1;
@@ -235,7 +236,7 @@ float compared(ComparedPoint point) {
 #if FILTER == 5
   const int radius = 1;
 #endif
-  for (int y = 0; y < 2 * radius + 2 && !is_decided_early; ++y)
+  for (int y = 0; y < 2 * radius + 2 && !is_done; ++y)
     for (int x = 0; x < 2 * radius + 2; ++x) {
       float weight = weight_along(x, share.x) * weight_along(y, share.y);
       lit += weight * lit_at(point, corner + vec2(x - radius, y - radius)), sum += weight;
@@ -244,7 +245,7 @@ float compared(ComparedPoint point) {
   float lit = 0, sum = 0;
   vec2 center = floor(position);
   int reach = radius + FILTER - 1;
-  for (int y = -reach; y <= reach && !is_decided_early; ++y)
+  for (int y = -reach; y <= reach && !is_done; ++y)
     for (int x = -reach; x <= reach; ++x) {
       vec2 tap = center + vec2(x, y);
       float weight = FILTER == 1 ? 1 : clamp(float(radius) + 0.5 - distance(tap + 0.5, position), 0, 1);
