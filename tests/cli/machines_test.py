@@ -37,6 +37,9 @@ class Machines(ProgramTest):
         differing = {row["setting"]: row["B.differing"] for row in table["rows"]}
         self.assertEqual((differing["planar_projected"], differing["embree_rays"]), (0, 0))
         self.assertGreater(differing["shadow_map"], 0)
+        rays = {row["setting"]: row["A.rays_per_second"] for row in table["rows"]}
+        self.assertIsNone(rays["shadow_map"])
+        self.assertGreater(rays["embree_rays"], 1000)
         lists = {line["technique"]: line for line in map(json.loads, (self.dir / "pixels.jsonl").read_text().splitlines())}
         self.assertEqual({technique: line["count"] for technique, line in lists.items()}, differing)
         self.assertEqual(len(lists["shadow_map"]["pixels"]), differing["shadow_map"])

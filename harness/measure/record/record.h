@@ -169,6 +169,8 @@ std::optional<double> frame_ms(const Record& record);
 std::optional<double> frame_device_ms(const Record& record);
 /// What part of a frame (relight and resolve) its bare pass takes, by the device's clock where both were taken by it.
 std::optional<double> floor_share(const Record& record);
+/// Count `rays` over the time of a frame, by the device's clock where there is one; nothing where no rays are counted.
+std::optional<double> rays_per_second(const Record& record);
 /// Whether the device's clock and the harness's, which waits for all to be done, can both be right: nothing took longer by the
 /// device's, and of bare passes, in which the processor does nothing, no more than half is unexplained. Nothing without times
 /// by the device's clock.

@@ -1,5 +1,7 @@
 // Derived facts of a record: how it is lit, what it is called, shares of its numbers.
 
+#include <algorithm>
+
 #include "measure/record/record.h"
 #include "measure/record/title.h"
 #include "measure/scene/channels.h"
@@ -62,6 +64,13 @@ std::optional<double> floor_share(const Record& r) {
   };
   const auto by_device = share(r.floor->device_ms, frame_device_ms(r));
   return by_device ? by_device : share(r.floor->ms, frame_ms(r));
+}
+
+std::optional<double> rays_per_second(const Record& r) {
+  const auto rays = std::ranges::find(r.counts, "rays", &Count::name);
+  if (rays == r.counts.end()) return std::nullopt;
+  const auto by_device = frame_device_ms(r), ms = by_device ? by_device : frame_ms(r);
+  return ms && *ms > 0 ? std::optional(1000 * rays->value / *ms) : std::nullopt;
 }
 
 std::optional<bool> clocks_agree(const Record& r) {

@@ -16,15 +16,21 @@ std::string letter(std::size_t run) { return fmt::format("{}", static_cast<char>
 
 /// What one run says of a row; a column that no row of the run fills is left out.
 struct Quantity {
+  enum class Kind { time, share, rays };
   const char *name, *heading;
-  bool is_time;
+  Kind kind;
   std::optional<double> (*of)(const Record&);
+  Column column(const std::string& full_name, const std::string& full_heading) const {
+    if (kind == Kind::time) return number_column(full_name, "ms", full_heading);
+    return kind == Kind::share ? share_column(full_name, full_heading) : ray_column(full_name, full_heading);
+  }
 };
 constexpr Quantity quantities[] = {
-    {"frame_ms", "", true, frame_ms},
-    {"frame_device_ms", " device", true, frame_device_ms},
-    {"floor_share", " bare", false, floor_share},
-    {"error", " error", false, [](const Record& r) { return r.metric("error"); }},
+    {"frame_ms", "", Quantity::Kind::time, frame_ms},
+    {"frame_device_ms", " device", Quantity::Kind::time, frame_device_ms},
+    {"floor_share", " bare", Quantity::Kind::share, floor_share},
+    {"rays_per_second", " rays", Quantity::Kind::rays, rays_per_second},
+    {"error", " error", Quantity::Kind::share, [](const Record& r) { return r.metric("error"); }},
 };
 
 struct MachineColumn {
@@ -39,11 +45,10 @@ std::vector<MachineColumn> columns_of(std::span<const MachineRun> runs) {
       const auto has = [&](const Record& r) { return r.status == Status::ok && what.of(r); };
       if (std::ranges::none_of(runs[run].records, has)) continue;
       const std::string name = fmt::format("{}.{}", letter(run), what.name), heading = letter(run) + what.heading;
-      columns.push_back({what.is_time ? number_column(name, "ms", heading) : share_column(name, heading),
-                         [run, of = what.of](const MachineRow& row) {
+      columns.push_back({what.column(name, heading), [run, of = what.of](const MachineRow& row) {
                            return row[run] && row[run]->status == Status::ok ? of(*row[run]) : std::nullopt;
                          }});
-      if (run > 0 && what.is_time && &what == &quantities[0])
+      if (run > 0 && &what == &quantities[0])
         columns.push_back({number_column(fmt::format("{}.ratio", letter(run)), "", fmt::format("A/{}", letter(run))),
                            [run](const MachineRow& row) -> std::optional<double> {
                              if (!row[0] || !row[run]) return std::nullopt;
@@ -180,6 +185,9 @@ std::vector<std::string> MachineTable::notes() const {
   std::vector<std::string> notes{
       "ms: median of the medians of the processes by the host's clock; device: by the clock of the OpenGL device",
       "A/B: how many times faster than A; bare: what part of the frame the technique's bare pass takes"};
+  const auto has_rays = [](const MachineColumn& column) { return column.column.name.ends_with(".rays_per_second"); };
+  if (std::ranges::any_of(columns_, has_rays))
+    notes.emplace_back("rays: count rays over the time of a frame, by the device's clock where there is one");
   if (!with_masks_.empty())
     notes.emplace_back("differs: pixels whose visibility is another than A's, by more than half a step of eight bits");
   if (undone_ > 0) notes.push_back(fmt::format("left out: {} row{} that no machine did", undone_, undone_ == 1 ? "" : "s"));
@@ -217,7 +225,7 @@ std::string render_machines(std::span<const MachineRun> runs, Format format, con
   if (format != Format::terminal || options.width == 0) return text;
   // A terminal that is too narrow for all does without some.
   std::vector<std::string> left_out;
-  for (const std::string_view kind : {"floor_share", "ratio", "frame_device_ms"}) {
+  for (const std::string_view kind : {"rays_per_second", "floor_share", "ratio", "frame_device_ms"}) {
     if (terminal_width_of(text) <= options.width) break;
     if (!table.drop(kind)) continue;
     left_out.emplace_back(kind);

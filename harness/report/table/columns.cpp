@@ -164,6 +164,13 @@ Column share_column(std::string name, std::string heading, CellOf cell) {
   return column;
 }
 
+Column ray_column(std::string name, std::string heading, CellOf cell) {
+  Column column = number_column(std::move(name), "ray/s", std::move(heading), cell);
+  column.shown_unit = "Mray/s";
+  column.shown_scale = 1e-6;
+  return column;
+}
+
 Column whole_column(std::string name, const std::string& unit, std::string heading, CellOf cell) {
   Column column = number_column(std::move(name), unit, std::move(heading), cell);
   column.is_exact = true;

@@ -45,6 +45,8 @@ Column text_column(std::string name, std::string heading, CellOf cell = nullptr)
 Column number_column(std::string name, const std::string& unit, std::string heading, CellOf cell = nullptr);
 /// A share of 1, shown in percent.
 Column share_column(std::string name, std::string heading, CellOf cell = nullptr);
+/// Rays per second, shown in millions.
+Column ray_column(std::string name, std::string heading, CellOf cell = nullptr);
 /// A number that is shown with all its digits.
 Column whole_column(std::string name, const std::string& unit, std::string heading, CellOf cell = nullptr);
 Column for_people(Column column);

@@ -92,6 +92,9 @@ void add_times(std::vector<Column>& columns) {
   columns.push_back(share_column("floor_share", "bare share", [](const Record& r) { return number(floor_share(r)); }));
   columns.back().sentence =
       "What part of a frame (relight and resolve) its bare pass takes, by the device's clock where there is one.";
+  columns.push_back(ray_column("rays_per_second", "rays", [](const Record& r) { return number(rays_per_second(r)); }));
+  columns.back().sentence =
+      "Count rays over the time of a frame (relight and resolve), by the device's clock where there is one.";
   columns.push_back(text_column("clocks", "clocks", [](const Record& r) {
     const std::optional<bool> agree = clocks_agree(r);
     return text_cell(!agree ? "" : *agree ? "agree" : "disagree");

@@ -170,6 +170,7 @@ void add_shorthands(Layout& layout, std::span<const Record> records, bool has_nu
   add("resolve_device_ms", "on device",
       "time by the clock of the OpenGL device; ms alone is by the clock of the host, which waits for the device");
   add("floor_share", "bare share", "share of relight and resolve that the technique's bare pass takes (column floor)");
+  add("rays_per_second", "rays", "millions of rays traced in a second: count rays over relight and resolve");
   if (has("resolve_device_ms") || has("clocks"))
     if (const auto count = std::ranges::count(records, std::optional(false), clocks_agree); count > 0)
       say("clocks", fmt::format("device and host contradict each other in {} row{}: do not trust their times (column clocks)",
@@ -225,8 +226,11 @@ std::vector<std::string> headline_columns(std::span<const Record> records, bool 
   names.insert(names.end(), {"technique", "support", "setup_ms"});
   add_stage_columns(names, records);
   const auto has_device_times = [](const Record& r) { return !r.device_times(Stage::resolve).empty(); };
-  if (std::ranges::any_of(records, has_device_times))
+  if (std::ranges::any_of(records, has_device_times)) {
     names.insert(names.end(), {"relight_device_ms", "resolve_device_ms", "floor_share"});
+    if (std::ranges::any_of(records, [](const Record& r) { return rays_per_second(r).has_value(); }))
+      names.emplace_back("rays_per_second");
+  }
   names.insert(names.end(), {"bytes", "peak_bytes"});
   add_error_columns(names, records);
   const bool with_hard = has_wrong_pixels(records);

@@ -32,6 +32,23 @@ TEST(Record, share_of_the_bare_pass_is_by_the_device_where_both_are) {
   EXPECT_NEAR(floor_share(r).value(), 0.05, 1e-12);
 }
 
+// 3,000 rays in 2 + 4 ms are 500,000 in a second; by the device's clock in 0.5 + 1 ms four times as many.
+TEST(Record, rays_per_second_are_those_of_a_frame_by_the_device_where_it_has_a_clock) {
+  Record r;
+  r.times(Stage::relight) = {{2}};
+  r.times(Stage::resolve) = {{4}};
+  EXPECT_FALSE(rays_per_second(r));  // it counts none
+  r.counts = {{"texels", 7, "texel"}, {"rays", 3000, ""}};
+  EXPECT_NEAR(rays_per_second(r).value(), 500000, 1e-6);
+  r.device_times(Stage::resolve) = {{1}};
+  EXPECT_NEAR(rays_per_second(r).value(), 500000, 1e-6);  // half of a frame is no frame
+  r.device_times(Stage::relight) = {{0.5}};
+  EXPECT_NEAR(rays_per_second(r).value(), 2000000, 1e-6);
+  r.stages = {};
+  r.device_stages = {};
+  EXPECT_FALSE(rays_per_second(r));
+}
+
 TEST(Record, clocks_disagree_where_both_cannot_be_right) {
   Record r;
   r.times(Stage::resolve) = {{1}};

@@ -60,6 +60,20 @@ TEST(machine_table, times_of_both_clocks_ratio_bare_share_and_error) {
   EXPECT_EQ(table["rows"].size(), 2u);  // what one machine alone has is no row of both
 }
 
+// Rays of the processor in 2 + 4 ms, of the card by its own clock in 0.1 + 0.2 ms; who counts none has no number.
+TEST(machine_table, rays_per_second_of_each_machine) {
+  std::vector<MachineRun> runs = two_machines();
+  for (Record* r : {&runs[0].records[0], &runs[1].records[1]}) r->counts = {{"rays", 120000, ""}};
+  const Json table = Json::parse(render_machines(runs, Format::json, {}));
+  EXPECT_NEAR(table["rows"][0]["A.rays_per_second"].get<double>(), 2e7, 1);
+  EXPECT_NEAR(table["rows"][0]["B.rays_per_second"].get<double>(), 4e8, 1);
+  EXPECT_TRUE(table["rows"][1]["A.rays_per_second"].is_null());
+  const std::string text = render_machines(runs, Format::markdown, {});
+  EXPECT_TRUE(has(text, "A rays (Mray/s)")) << text;
+  EXPECT_TRUE(has(text, "rays: count rays over")) << text;
+  EXPECT_FALSE(has(render_machines(two_machines(), Format::markdown, {}), "rays"));
+}
+
 void refuse(Record& record, const std::string& reason) {
   forget_results(record);
   record.status = Status::unsupported;

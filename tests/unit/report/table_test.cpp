@@ -57,6 +57,22 @@ TEST(table, best_is_a_contender_that_is_better_than_another) {
   EXPECT_TRUE(has(text, "| rays | 0.100 | 0 |")) << text;
 }
 
+// A million rays in 0.5 + 1.5 ms by the device's clock are 500 million in a second.
+TEST(table, rays_per_second_are_millions_in_the_headline_of_rows_with_a_clock_of_the_device) {
+  Record r = row("gl_rays", 1, 0);
+  r.counts = {{"rays", 1000000, ""}, {"nodes", 3, ""}};
+  const auto is_shown = [&] { return std::ranges::count(headline_columns({&r, 1}, false), "rays_per_second") > 0; };
+  EXPECT_FALSE(is_shown());
+  r.device_times(Stage::relight) = {{0.5}};
+  r.device_times(Stage::resolve) = {{1.5}};
+  EXPECT_TRUE(is_shown());
+  const std::string text = render_table({&r, 1}, Format::markdown, {.columns = {"technique", "rays_per_second"}});
+  EXPECT_TRUE(has(text, "| rays (Mray/s) |")) << text;
+  EXPECT_TRUE(has(text, "| gl_rays | 500 |")) << text;
+  r.counts.clear();
+  EXPECT_FALSE(is_shown());
+}
+
 TEST(table, contenders_that_the_times_do_not_tell_apart_are_all_marked) {
   // Processes by `row`: resolve / 2, resolve, resolve * 2. Of 3 and 5 the logarithms differ by 0.5 and the means spread by 0.6;
   // 20 is 1.9 away.
