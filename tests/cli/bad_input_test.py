@@ -50,6 +50,7 @@ class Words(ProgramTest):
                           "shadow_map:resolution=99999999999999999999"):
             self.refuse_run("--scene", "soup", "--technique", technique, says=["shadow_map.resolution = ", "64 .. 8192 texel"])
         self.refuse_run("--scene", "soup", "--technique", "shadow_map:filter=box", says=["shadow_map.filter = box", "nearest | pcf"])
+        self.refuse_run("--scene", "soup", "--technique", "shadow_map:pass=mesh", says=["shadow_map.pass = mesh", "fragment | compute"])
         self.refuse_run("--scene", "soup", "--technique", "shadow_map:resolution", says=["'resolution'", "parameter=value"])
         self.refuse_run("--scene", "soup", "--technique", "shadow_map:resolution=64,resolution=128", says=["resolution", "twice"])
         self.refuse_run("--scene", "soup", "--technique", "shadow_map:resolution={64,128", says=["opens a brace"])
