@@ -7,6 +7,7 @@
 //               over one image that is fitted and drawn as well.
 // virtual_map   Beside shadow_map:fit=view at as many texels or more: what pages, their table and their lists cost over images
 //               that are fitted and drawn whole.
+// mask_pass     The look-up of shadow_map in a compute shader beside the same by fragments: below 1 it is the faster one.
 // glass_map     Relight and resolve of maps that hold what several surfaces let through, beside a depth map that takes them for
 //               opaque, at the same resolution: what lists, samples, moments and terms cost over one depth.
 #include <benchmark/benchmark.h>
@@ -73,6 +74,12 @@ void add(const std::string& name, const Picture& picture, const Way& contender, 
        {std::tuple("fence", "point", 1024), {"fence", "sun", 1600}, {"box_city", "point", 1400}, {"colonnade", "point", 1000}})
     add(fmt::format("virtual_map/resolve/{}/{}", scene, light), {.scene = scene, .light = light}, {"virtual_map"},
         {"shadow_map", fmt::format("bias=receiver_plane,fit=view,resolution={}", resolution)});
+  for (const std::string scene : {"fence", "box_city"})
+    for (const std::string light : {"point", "sun"})
+      for (const std::string filter : {"nearest", "bilinear", "pcf,filter_radius=2"})
+        add(fmt::format("mask_pass/resolve/{}/{}/{}", scene, light, filter), {.scene = scene, .light = light},
+            {"shadow_map", fmt::format("filter={},pass=compute", filter)},
+            {"shadow_map", fmt::format("filter={},pass=fragment", filter)});
   for (const std::string scene : {"glass_stack", "smoke_cards"})
     for (const std::string id : {"transmittance_map", "stochastic_map", "moment_transmittance", "fourier_opacity"})
       for (const Stage stage : {Stage::relight, Stage::resolve})
