@@ -5,6 +5,7 @@
 #include <gnomon/kit/bases/inner_technique.h>
 #include <gnomon/kit/bases/light_objects.h>
 #include <gnomon/kit/counts.h>
+#include <gnomon/kit/maps/light_camera.h>
 #include <gnomon/kit/maps/map_causes.h>
 #include <gnomon/kit/parallel.h>
 #include <gnomon/kit/pictures/layers.h>
@@ -58,13 +59,6 @@ std::string cannot_be_partner(const TechniqueEntry& entry) {
   if (entry.id == "contact_march") return "it is no partner of itself";
   if (entry.about.remembers) return fmt::format("{} remembers frames", entry.id);
   return has_no_hard_shadow(entry);
-}
-
-/// Diagonal of the box of what all meshes reach, meters: the same in all frames of a row whose meshes move.
-double diagonal_of(const Scene& scene) {
-  Bounds box;
-  for (const Mesh& mesh : scene.meshes) box.add(mesh.reached());
-  return box.empty() ? 0 : glm::distance(glm::dvec3(box.min), glm::dvec3(box.max));
 }
 
 // The partner is an object of the registry, unchanged. Objects for further lights share its setup and build where it can share

@@ -35,15 +35,25 @@ void main() {
 }
 )";
 
+std::vector<std::string_view> bias_choices() {
+  std::vector<std::string_view> choices = {"constant", "slope", "normal_offset", "receiver_plane", "adaptive"};
+  for (const BiasPreset& preset : bias_presets()) choices.push_back(preset.name);
+  return choices;
+}
+
 }  // namespace
 
 ComparedMap::ComparedMap(const Defaults& defaults)
     : resolution(this, "resolution", 1024, {.unit = "texel", .min = 64, .max = 8192, .log = true}, Stage::relight,
                  "Side of a square depth image (of each cube face for point lights)."),
-      bias(this, "bias", defaults.bias, {"constant", "slope", "normal_offset", "receiver_plane"}, Stage::setup,
-           "What is added to depth_bias: nothing, a slope-scaled bias, a normal offset, or the receiver's own plane."),
+      bias(
+          this, "bias", defaults.bias, bias_choices(), Stage::setup,
+          "What is added to depth_bias: nothing, a slope-scaled bias, a normal offset, or the receiver's own plane. Or a rule "
+          "without a setting: that plane with an epsilon by the scene's size (adaptive), a length toward the light (oriented), "
+          "or the defaults of an engine."),
       depth_bias(this, "depth_bias", defaults.depth_bias, {.unit = "texel", .min = 0, .max = 64}, Stage::resolve,
-                 "Constant depth bias along the image's axis, in every mode, in world widths of a texel at the point."),
+                 "Constant depth bias along the image's axis, in world widths of a texel at the point; for the first four of "
+                 "bias."),
       slope_bias(this, "slope_bias", defaults.slope_bias, {.unit = "half texel diagonal", .min = 0, .max = 16}, Stage::resolve,
                  "Slope-scaled bias, times the tangent of the angle between normal and light; for bias=slope."),
       normal_offset(this, "normal_offset", 1.5, {.unit = "texel", .min = 0, .max = 16}, Stage::relight,
@@ -58,15 +68,38 @@ ComparedMap::ComparedMap(const Defaults& defaults)
                  "What a texel stores depth in: 16 or 24 bits of fixed point, or a float of 32 bits. For what stores the first "
                  "surface.") {}
 
-MapComparison ComparedMap::comparison() const {
+const BiasPreset* ComparedMap::preset() const {
+  constexpr int first = static_cast<int>(MapComparison::Bias::preset);
+  return bias.index() < first ? nullptr : &bias_presets()[bias.index() - first];
+}
+
+MapComparison ComparedMap::comparison(const Light& light) const {
+  using Bias = MapComparison::Bias;
   const MapFilter used = filter.used();
+  if (const BiasPreset* const chosen = preset()) {
+    const BiasNumbers numbers = chosen->numbers(light).value_or(BiasNumbers{});
+    return {Bias::preset, numbers.texels, numbers.slope, numbers.normal, used, numbers.meters, chosen->form};
+  }
+  const auto kind = Bias(bias.index());
+  if (kind == Bias::adaptive) return {kind, 0, 0, 0, used, adaptive_share * made_->diagonal};
   const double reach = used.reach();
-  return {MapComparison::Bias(bias.index()), reach * depth_bias, reach * slope_bias, reach * normal_offset, used};
+  const BiasForm form{.normal = kind == Bias::normal_offset ? BiasForm::Normal::whole : BiasForm::Normal::none};
+  return {kind, reach * depth_bias, reach * slope_bias, reach * normal_offset, used, 0, form};
+}
+
+Support ComparedMap::supports(const Scene& scene, const Light& light, const View&) const {
+  if (const Support filtered = filter.support(); !filtered) return filtered;
+  if (const Support passes = within_limits(mask_pass_needs(mask_pass())); !passes) return passes;
+  const Support support =
+      light_map_support(light, resolution, comparison(light).margin(), MapComparison::constant_count, images());
+  if (const BiasPreset* const chosen = preset(); chosen && support)
+    if (const auto why = chosen->refusal(light, diagonal_of(scene))) return Support::unsupported(*why);
+  return glass.limit(scene, alpha.limit(scene, coarse_depth(scene, light, support)));
 }
 
 Program ComparedMap::resolve_program(LightProjection projection, bool explains) const {
   const std::string head = fmt::format("{}{}#define DECIDED_EARLY {}\n", light_map_head(projection, images()),
-                                       comparison_head(comparison()), decided_early);
+                                       comparison_head(comparison(light_)), decided_early);
   const std::string by_more = decision(), constants = comparison_constants(projection, images());
   const std::string text = fmt::format("{}{}{}{}{}", head, light_map_snippet, comparison_snippet, filter_snippet,
                                        by_more.empty() ? depths_decide : by_more);
@@ -89,6 +122,7 @@ void ComparedMap::setup() {
 
 void ComparedMap::build(const Scene& scene) {
   made_->scene = &scene;
+  made_->diagonal = diagonal_of(scene);
   made_->depth_images.build(scene, alpha.rule(), glass.as());
   made_->glass_difference = {scene, glass.as()};
 }
@@ -101,7 +135,7 @@ void ComparedMap::update(const Scene& scene, const Changes& changes) {
 Support ComparedMap::coarse_depth(const Scene& scene, const Light& light, const Support& support) const {
   if (!support || bits() == 32) return support;
   double step = 0;
-  for (const LightImage& image : fit_to_scene(light, mesh_boxes(scene), resolution, comparison().margin()).images)
+  for (const LightImage& image : fit_to_scene(light, mesh_boxes(scene), resolution, comparison(light).margin()).images)
     if (!image.casters.empty()) step = std::max(step, 2 * half_depth_step(bits(), image, image.far));
   if (step < 1) return support;
   return Support::approximate(fmt::format("{} bits of depth leave steps of {:.2g} m where the scene ends", bits(), step));
@@ -115,7 +149,7 @@ void ComparedMap::relight(const Light& light) {
   light_ = light;
   depths_.still.start_relight(made_->depth_images.moving(), update_by);
   made_->depth_images.use_alpha(alpha.rule());
-  std::optional<LightCamera> camera = fitted_to_scene(light, made_->depth_images.boxes(), comparison().margin());
+  std::optional<LightCamera> camera = fitted_to_scene(light, made_->depth_images.boxes(), comparison(light).margin());
   draws_in_resolve_ = !camera;
   if (camera) draw_images(std::move(*camera));
   glFinish();
@@ -153,13 +187,13 @@ void ComparedMap::resolve(const GBuffer& gbuffer, VisibilityMask& mask) {
     made_->read_look_ups.clear();
     made_->alpha_difference.reset();
   }
-  if (draws_in_resolve_) draw_images(fitted_to_view(light_, made_->depth_images.boxes(), gbuffer, comparison().margin()));
+  if (draws_in_resolve_) draw_images(fitted_to_view(light_, made_->depth_images.boxes(), gbuffer, comparison(light_).margin()));
   look_up(made_->resolve_programs[int(projection())], mask_pass(), depths_, mask.texture());
   glFinish();
 }
 
 void ComparedMap::look_up(const Program& program, MaskPass by, const Depths& depths, unsigned target) const {
-  set_comparison(program, light_, camera_, comparison());
+  set_comparison(program, light_, camera_, comparison(light_));
   glBindTextureUnit(3, map(depths).name());
   bind_decision(program, light_, *gbuffer_);
   draw_mask(program, by, made_->framebuffer, target, gbuffer_textures(*gbuffer_, *made_->scene));
@@ -236,7 +270,7 @@ std::optional<Explanation> ComparedMap::explain(std::size_t index) const {
   Explanation why;
   if (const Place place = looked_up(index); place.image) {
     const int pixel = static_cast<int>(index), width = gbuffer_->width;
-    why = explain_comparison({camera_, *place.image, depths()}, comparison(),
+    why = explain_comparison({camera_, *place.image, depths()}, comparison(light_),
                              {.position = gbuffer_->position(index),
                               .normal = gbuffer_->normal(index),
                               .place = place.texel,

@@ -227,6 +227,12 @@ MeshBoxes mesh_boxes(const Scene& scene, GlassAs glass) {
   return boxes;
 }
 
+double diagonal_of(const Scene& scene) {
+  Bounds box;
+  for (const Mesh& mesh : scene.meshes) box.add(mesh.reached());
+  return box.empty() ? 0 : glm::distance(glm::dvec3(box.min), glm::dvec3(box.max));
+}
+
 LightSpace light_space_of(const Light& light, const MeshBoxes& boxes) {
   const glm::dvec4 l = homogeneous(light);
   if (l.w == 0) {

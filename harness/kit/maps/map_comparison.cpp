@@ -3,32 +3,66 @@
 namespace gnomon {
 
 int MapComparison::margin() const {
-  const int offset = bias == Bias::normal_offset ? static_cast<int>(std::ceil(normal_offset)) : 0;
+  const int offset = form.normal == BiasForm::Normal::none ? 0 : static_cast<int>(std::ceil(normal_offset));
   return filter.margin() + offset + 1;
 }
+
+namespace {
+
+/// The light ray at a point, in the image's frame.
+struct RayThere {
+  glm::dvec3 normal, ray;  ///< the ray goes 1 along the axis
+  double facing = -glm::dot(normal, ray), length = glm::length(ray), cosine = facing / length;
+  double sine = glm::length(glm::cross(normal, ray)) / length;
+};
+
+/// What a preset adds along the axis beside its texels; `width` is that of a texel, along columns and rows.
+double preset_bias(const MapComparison& comparison, const RayThere& there, const glm::dvec2& width) {
+  using Slope = BiasForm::Slope;
+  const double along = comparison.meters / there.length;
+  if (comparison.form.slope == Slope::raster)
+    return along + comparison.slope_bias * std::max(std::abs(there.normal.x) * width.x, std::abs(there.normal.y) * width.y) /
+                       there.facing;
+  if (comparison.form.slope == Slope::tangent)
+    return along + comparison.slope_bias * std::max(width.x, width.y) * std::min(there.sine / there.cosine, 1.0);
+  return along;
+}
+
+/// Where a normal offset of 1 m moves a point.
+glm::dvec3 way_of_offset(BiasForm::Normal form, const RayThere& there) {
+  using enum BiasForm::Normal;
+  if (form == sine) return there.normal * there.sine;
+  if (form == one_less_cosine) return there.normal * (1 - there.cosine);
+  if (form == across) return there.normal + there.ray * (there.cosine / there.length);
+  return there.normal;
+}
+
+}  // namespace
 
 Explanation explain_comparison(const DepthTexels& texels, const MapComparison& comparison, const ExplainedPoint& point) {
   const LightImage& image = texels.image;
   Explanation why;
   glm::dvec3 q = image.seen(point.position);
-  const glm::dvec3 n = image.turned(point.normal), ray = image.is_perspective ? q / q.z : glm::dvec3(0, 0, 1);
-  const double facing = -glm::dot(n, ray);
+  const RayThere there{image.turned(point.normal), image.is_perspective ? q / q.z : glm::dvec3(0, 0, 1)};
   const glm::dvec2 width = image.texel_width(q);
   why.texel_width = std::max(width.x, width.y);
   double axis_bias = comparison.depth_bias * why.texel_width;
   if (comparison.bias == MapComparison::Bias::slope)
-    axis_bias += comparison.slope_bias * glm::length(width) / 2 * glm::length(glm::cross(n, ray)) / (facing * glm::length(ray));
+    axis_bias += comparison.slope_bias * glm::length(width) / 2 * there.sine / there.facing;
   if (comparison.bias == MapComparison::Bias::receiver_plane) {
     const double error = texels.camera.rounding * (image.is_perspective ? 1 + q.z * q.z / (image.near * image.far) : 1);
-    axis_bias += (error + why.texel_width / 128) / facing;
+    axis_bias += (error + why.texel_width / 128) / there.facing;
   }
-  if (comparison.bias == MapComparison::Bias::normal_offset) {
+  if (comparison.bias == MapComparison::Bias::adaptive)
+    axis_bias += comparison.meters * std::min(1 / (there.cosine * there.cosine), most_adaptive);
+  if (comparison.bias == MapComparison::Bias::preset) axis_bias += preset_bias(comparison, there, width);
+  if (comparison.form.normal != BiasForm::Normal::none) {
     const double z = q.z;
-    q += n * (comparison.normal_offset * why.texel_width);
+    q += way_of_offset(comparison.form.normal, there) * (comparison.normal_offset * why.texel_width);
     why.shifted = image.to_world(q);
     axis_bias += z - q.z;  // what the look-up point is nearer to the light by
   }
-  why.bias = axis_bias * glm::length(ray);
+  why.bias = axis_bias * there.length;
   // A point that nothing shadows may be looked up beside the image; where something does, its shadow is not in there.
   why.covered = texels.camera.holds(glm::ivec2(glm::floor(point.place)));
   const MapFilter& filter = comparison.filter;
@@ -41,11 +75,17 @@ Explanation explain_comparison(const DepthTexels& texels, const MapComparison& c
 // --- The same in the shader ------------------------------------------------------------------------------------------------
 
 std::string comparison_head(const MapComparison& comparison) {
-  return fmt::format("#define BIAS {}\n{}", static_cast<int>(comparison.bias), filter_head(comparison.filter));
+  // Adaptive is a receiver plane with another epsilon.
+  using enum MapComparison::Bias;
+  const bool adapts = comparison.bias == adaptive;
+  return fmt::format("#define BIAS {}\n{}#define ADAPTS {:d}\n#define SLOPE_FORM {}\n#define NORMAL_FORM {}\n",
+                     comparison.bias == preset ? 4 : static_cast<int>(adapts ? receiver_plane : comparison.bias),
+                     filter_head(comparison.filter), adapts, static_cast<int>(comparison.form.slope),
+                     static_cast<int>(comparison.form.normal));
 }
 
-// depth_bias, half of slope_bias and normal_offset, each times the filter's reach, and rounding; the diagonal of a texel in
-// window coordinates, under parallel rays.
+// depth_bias, slope_bias (half of it for a half diagonal) and normal_offset, each times the filter's reach; rounding, or the
+// meters of adaptive and of a preset. The diagonal of a texel in window coordinates, under parallel rays.
 std::string comparison_constants(LightProjection projection, LightImages images) {
   const bool has_diagonal = projection == LightProjection::parallel && images == LightImages::faces;
   return light_map_constants(projection, images) + (has_diagonal ? "vec4 biases; float diagonal;" : "vec4 biases;");
@@ -58,8 +98,10 @@ void set_comparison(const Program& program, const Light& light, const LightCamer
     return comparison.bias == Bias::slope ? glm::length(1.0 / image.scale) : camera.rounding / (image.near * image.far);
   });
   set_filter(program, comparison.filter);
+  const bool has_meters = comparison.bias == Bias::adaptive || comparison.bias == Bias::preset;
   program.set_if_used("biases",
-                      glm::vec4(comparison.depth_bias, 0.5 * comparison.slope_bias, comparison.normal_offset, camera.rounding));
+                      glm::vec4(comparison.depth_bias, comparison.slope_bias * (comparison.bias == Bias::preset ? 1 : 0.5),
+                                comparison.normal_offset, has_meters ? comparison.meters : camera.rounding));
   program.set_if_used("diagonal", static_cast<float>(glm::length(1.0 / camera.images[0].scale)));
 }
 
@@ -119,23 +161,41 @@ ComparedPoint ask(vec4 surface, vec4 facet) {
   bool faces = surface.w * facet.w * height > 0 && height * height > squared * 2.2737368e-13;
 
   choose_image(v);
+#if BIAS == 4
+  float cosine = height * inversesqrt(squared);
+#endif
+#if NORMAL_FORM == 1
+  vec3 way = normal;
+#elif NORMAL_FORM == 2
+  vec3 way = normal * sqrt(max(1 - cosine * cosine, 0));
+#elif NORMAL_FORM == 3
+  vec3 way = normal * (1 - cosine);
+#elif NORMAL_FORM == 4 && PROJECTION == 0
+  vec3 way = normal + cosine * vec3(light_axes[0].z, light_axes[1].z, light_axes[2].z);
+#elif NORMAL_FORM == 4
+  vec3 way = normal + v * (cosine * inversesqrt(squared));
+#endif
 #if PROJECTION == 2
   float along = dot(v, spot.xyz);
-#if BIAS == 2
+#if NORMAL_FORM != 0
   vec3 a = abs(v);
-  v += normal * (biases.z * light_facts.y * max(max(a.x, a.y), a.z));
+  float before = max(max(a.x, a.y), a.z);
+  v += way * (biases.z * light_facts.y * before);
 #endif
   vec3 h = in_image(v);
-#elif BIAS == 2
+#elif NORMAL_FORM != 0
 #ifdef WARPED
   in_image(v);  // for the width of a texel there
 #endif
-  float along = (light_axes * v).z;
-  v += normal * (biases.z * light_facts.y * (PROJECTION == 0 ? 1 : along));
+  float along = (light_axes * v).z, before = along;
+  v += way * (biases.z * light_facts.y * (PROJECTION == 0 ? 1 : along));
   vec3 h = in_image(v);
 #else
   vec3 h = in_image(v);
   float along = h.z;
+#endif
+#if NORMAL_FORM == 0
+  float before = h.z;  // along the axis, where the point lies
 #endif
 #if PROJECTION != 0
   faces = faces && along >= 0 && along * along >= spot.w * squared;
@@ -164,11 +224,37 @@ ComparedPoint ask(vec4 surface, vec4 facet) {
   scale = facing;
 #elif BIAS == 3
   scale = facing;
+#if ADAPTS
+  error = biases.w * facing * min(squared / (height * height), 100);
+#else
   error = biases.w + texel_width * 0.0078125;
 #if PROJECTION != 0
   error += fourth * q_z * q_z;
 #endif
+#endif
   vec2 step_height = across_image(normal);
+#elif BIAS == 4
+#if PROJECTION == 0
+  bias += biases.w;
+#else
+  bias += biases.w * before * inversesqrt(squared);
+#endif
+#if SLOPE_FORM == 1
+  // What depth changes by from texel to texel, times the facing.
+  vec2 steps = abs(across_image(normal));
+#ifdef WARPED
+  steps *= light_stretch;
+#endif
+#if PROJECTION == 0
+  scale = height;
+  error = biases.y * max(steps.x, steps.y);
+#else
+  scale = height / before;
+  error = biases.y * max(steps.x, steps.y) * before;
+#endif
+#elif SLOPE_FORM == 2
+  bias += biases.y * texel_width * min(sqrt(max(1 - cosine * cosine, 0)) / cosine, 1);
+#endif
 #endif
   float depth = q_z * scale - error;
 

@@ -14,13 +14,7 @@ namespace gnomon {
 /// point, times the parameter, gives meters.
 class ComparedMap : public Technique {
  public:
-  Support supports(const Scene& scene, const Light& light, const View&) const override {
-    if (const Support supported = filter.support(); !supported) return supported;
-    if (const Support passes = within_limits(mask_pass_needs(mask_pass())); !passes) return passes;
-    const Support support =
-        light_map_support(light, resolution, comparison().margin(), MapComparison::constant_count, images());
-    return glass.limit(scene, alpha.limit(scene, coarse_depth(scene, light, support)));
-  }
+  Support supports(const Scene& scene, const Light& light, const View&) const override;
   void setup() override;
   void build(const Scene& scene) override;
   void update(const Scene& scene, const Changes& changes) override;
@@ -74,6 +68,7 @@ class ComparedMap : public Technique {
     std::array<std::optional<Program>, light_projection_count> explain_programs;
     Framebuffer framebuffer;
     const Scene* scene = nullptr;
+    double diagonal = 0;  // of the scene, with all that moves
     GlassDifference glass_difference;
     // What questions need, in memory: of one object at a time, for 64 lights' images fill a gigabyte.
     const ComparedMap* read_of = nullptr;
@@ -95,8 +90,10 @@ class ComparedMap : public Technique {
 
   /// The same, unless bits leave depth steps that a scene shows.
   Support coarse_depth(const Scene& scene, const Light& light, const Support& support) const;
-  /// Biases are for one texel: a filter compares with texels farther away.
-  MapComparison comparison() const;
+  /// Biases are for one texel: a filter compares with texels farther away. The light has a part in those of a preset.
+  MapComparison comparison(const Light& light) const;
+  /// The one that is chosen; null where the bias is set.
+  const BiasPreset* preset() const;
   /// Arrays with one layer for each image that is drawn.
   struct Depths {
     Texture first, second, combined;

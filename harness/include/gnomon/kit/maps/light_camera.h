@@ -19,6 +19,9 @@ struct MeshBoxes {
 };
 /// Casters with transmission cast where they are taken for opaque.
 MeshBoxes mesh_boxes(const Scene& scene, GlassAs glass = GlassAs::opaque);
+/// Diagonal of the box of what all meshes reach, meters: the same in all frames of a row whose meshes move. 0 where there is
+/// none.
+double diagonal_of(const Scene& scene);
 
 /// A face of the light and its image. Window coordinates of a point are its place on the face; texel coordinates are
 /// window * scale + offset, row 0 on top. A warped image is seen in perspective: its texels are largest where window.y is, and

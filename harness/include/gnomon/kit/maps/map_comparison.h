@@ -1,4 +1,5 @@
 #pragma once
+#include <gnomon/kit/maps/bias_presets.h>
 #include <gnomon/kit/maps/light_map.h>
 #include <gnomon/kit/maps/map_filter.h>
 
@@ -7,12 +8,15 @@ namespace gnomon {
 // How a point is compared with the depths that a light camera stored: bias and filter, for techniques that differ in which
 // images they draw. The shader decides; the same in double explains.
 
-/// As the parameters of the same names say, times the reach of the filter.
+/// As the parameters of the same names say, times the reach of the filter; of a preset its own numbers.
 struct MapComparison {
-  enum class Bias { constant, slope, normal_offset, receiver_plane };  ///< in the order of the parameter's choices
+  /// In the order of the parameter's choices, which ends with the presets.
+  enum class Bias { constant, slope, normal_offset, receiver_plane, adaptive, preset };
   Bias bias;
   double depth_bias, slope_bias, normal_offset;
   MapFilter filter;
+  double meters = 0;  ///< of a preset along the light ray; of adaptive its epsilon, see bias_presets.h
+  BiasForm form{};    ///< of a preset, and how the normal offset is meant
 
   /// Texels that a look-up may leave the fitted window by: the filter, the normal offset, and one for rounding.
   int margin() const;
