@@ -13,11 +13,11 @@ constexpr About about{
     .summary = "One depth image from the light, compared once per visible point.",
     .source =
         "Williams 1978; Reeves, Salesin and Cook 1987 (filter); Woo 1992, Wang and Molnar 1994, Weiskopf and Ertl 2003 "
-        "(stored)",
+        "(stored); Isidoro 2006, Dou et al. 2014, Ehm et al. 2015, Fatnassi 2023 (bias)",
     .error =
         "Stair steps of one texel diagonal along every shadow edge; acne where the bias is less than the depth spread of a "
-        "texel, peter-panning where a caster is nearer than the bias. bias=receiver_plane has no acne on flat "
-        "receivers at depth_bias 0. "
+        "texel, peter-panning where a caster is nearer than the bias. bias=adaptive has no acne on flat "
+        "receivers, nor has receiver_plane at depth_bias 0. "
         "Holes are those of the mask with alpha=texel alone: mips and mips_kept filter alpha, and hashed is random "
         "where alpha is neither 0 nor 1. A texel holds no product: glass is taken for opaque or left out.",
     .fails = "A long shadow at a grazing angle, a fine mesh of wires, and every large scene: texels are spread over all of it.",
