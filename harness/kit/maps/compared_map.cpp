@@ -122,7 +122,7 @@ void ComparedMap::setup() {
 
 void ComparedMap::build(const Scene& scene) {
   made_->scene = &scene;
-  made_->diagonal = diagonal_of(scene);
+  if (bias.is("adaptive")) made_->diagonal = diagonal_of(scene);
   made_->depth_images.build(scene, alpha.rule(), glass.as());
   made_->glass_difference = {scene, glass.as()};
 }

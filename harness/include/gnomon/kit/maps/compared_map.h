@@ -68,7 +68,7 @@ class ComparedMap : public Technique {
     std::array<std::optional<Program>, light_projection_count> explain_programs;
     Framebuffer framebuffer;
     const Scene* scene = nullptr;
-    double diagonal = 0;  // of the scene, with all that moves
+    double diagonal = 0;  // of the scene, for adaptive: a pass over all vertices
     GlassDifference glass_difference;
     // What questions need, in memory: of one object at a time, for 64 lights' images fill a gigabyte.
     const ComparedMap* read_of = nullptr;
