@@ -154,6 +154,11 @@ class VirtualMap final : public Technique {
     made_->glass_difference.explain(why, *gbuffer_, light_, index);
     return why;
   }
+  std::vector<std::uint32_t> image_parts() const override {
+    std::vector<std::uint32_t> pages(asked_.size());
+    for (std::size_t i = 0; i < pages.size(); ++i) pages[i] = page_at(i).word;
+    return pages;
+  }
   std::vector<DebugLayer> debug_layers() const override { return virtual_map::debug_layers(); }
   std::vector<float> draw_debug(std::string_view layer) const override {
     if (layer == "map") {

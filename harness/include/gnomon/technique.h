@@ -180,6 +180,9 @@ class Technique : public Parametrized {
   /// The curve of the texel in which pixel `index` of the last resolve was looked up; nothing from techniques that hold none,
   /// and where they looked nothing up. Untimed.
   virtual std::optional<DepthCurve> depth_curve([[maybe_unused]] std::size_t index) const { return std::nullopt; }
+  /// Which part of its images answered each pixel of the last resolve: its slice, face or page, by a number from 1 on, 0 where
+  /// none did. Nothing from techniques of one part. Seams are where parts meet (error_seam_0_1 of docs/method.md). Untimed.
+  virtual std::vector<std::uint32_t> image_parts() const { return {}; }
   /// The lit and shadowed polygons of the last relight; nothing from techniques that do not make polygons. A fresh object of
   /// one that does gives an empty detail. Untimed.
   virtual std::optional<SurfaceDetail> surface_detail() const { return std::nullopt; }

@@ -234,6 +234,8 @@ AreaPoint AreaMap::point(std::size_t index) const {
   return p;
 }
 
+std::vector<std::uint32_t> AreaMap::image_parts() const { return parts_of(camera_, *made_->scene, *gbuffer_, light_); }
+
 std::vector<DebugLayer> AreaMap::debug_layers() const {
   std::vector<DebugLayer> layers = map_layers();
   layers.push_back({"radius",

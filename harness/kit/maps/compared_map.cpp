@@ -283,6 +283,8 @@ std::optional<Explanation> ComparedMap::explain(std::size_t index) const {
   return why;
 }
 
+std::vector<std::uint32_t> ComparedMap::image_parts() const { return parts_of(camera_, *made_->scene, *gbuffer_, light_); }
+
 std::vector<DebugLayer> ComparedMap::debug_layers() const { return map_layers(images()); }
 
 std::vector<float> ComparedMap::draw_debug(std::string_view layer) const {

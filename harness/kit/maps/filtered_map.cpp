@@ -288,6 +288,8 @@ std::optional<Explanation> FilteredMap::explain(std::size_t index) const {
   return why;
 }
 
+std::vector<std::uint32_t> FilteredMap::image_parts() const { return parts_of(camera_, *made_->scene, *gbuffer_, light_); }
+
 std::vector<DebugLayer> FilteredMap::debug_layers() const { return map_layers(); }
 
 std::vector<float> FilteredMap::draw_debug(std::string_view layer) const {

@@ -106,6 +106,8 @@ std::optional<Explanation> GlassMap::explain(std::size_t index) const {
   return why;
 }
 
+std::vector<std::uint32_t> GlassMap::image_parts() const { return parts_of(camera_, *made_->scene, *gbuffer_, light_); }
+
 std::vector<DebugLayer> GlassMap::debug_layers() const {
   std::vector<DebugLayer> layers = map_layers();
   layers.push_back(heat_debug_layer("curve",

@@ -270,6 +270,17 @@ std::vector<glm::dvec3> points_facing(const Light& light, const MeshBoxes& boxes
   return all;
 }
 
+std::vector<std::uint32_t> parts_of(const LightCamera& camera, const Scene& scene, const GBuffer& gbuffer, const Light& light) {
+  if (camera.images.size() < 2) return {};
+  std::vector<std::uint32_t> parts(gbuffer.size());
+  for_blocks(gbuffer.size(), point_block, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i)
+      if (faces_light(scene, gbuffer, light, i))
+        parts[i] = 1u + static_cast<std::uint32_t>(camera.image_of(gbuffer.position(i)));
+  });
+  return parts;
+}
+
 LightCamera fit_to_view(const Light& light, const MeshBoxes& boxes, const GBuffer& gbuffer, int resolution, int margin,
                         double radius) {
   const LightSpace space = light_space_of(light, boxes);

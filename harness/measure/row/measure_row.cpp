@@ -200,11 +200,15 @@ class RowMeasurement {
 
   void take_answers(MeasuredRow& row, Record* record) {
     std::vector<Answer> answers = worker_.answers(record);
+    bool has_parts = false;
     for (std::size_t k = 0; k < answers.size(); ++k) {
       answers[k].estimates = about_.estimates;
       answers[k].own_causes = own_causes(about_);
+      if (has_parts_ && worker_.supports_light(k)) answers[k].parts = worker_.client().parts(k);
+      has_parts = has_parts || !answers[k].parts.empty();
       row.lights[k].answer = std::move(answers[k]);
     }
+    has_parts_ = has_parts;
     row.global = worker_.global_answer();
   }
 
@@ -230,7 +234,7 @@ class RowMeasurement {
   PathScore other_score_;
   std::optional<TimeScore> time_score_;
   MemoryScore memory_score_;
-  bool has_error_terms_ = true;  ///< as far as is known
+  bool has_error_terms_ = true, has_parts_ = true;  ///< as far as is known
   MeasuredRow now_, before_;
 };
 

@@ -72,6 +72,8 @@ class Row {
     RowScore fresh = score(row, *current_.scene);
     keep_others(fresh.whole.metrics, truth);
     if (!row.together) fresh.lights = {fresh.whole};
+    auto before = record_.lights.begin();
+    for (Score& light : fresh.lights) keep_seams(light.metrics, (before++)->metrics);
     put_score(record_, fresh);
     if (!current_.scene->has_curved_shapes()) {
       record_.metrics[other] = record_.metrics[truth];
@@ -97,11 +99,16 @@ class Row {
     return kept_row(record_, file_, what, kept_place(record_, *current_.scene, truth), *current_.frames);
   }
 
-  /// One mask alone is kept: metrics of the picture of all light and of further frames stay.
+  /// One mask alone is kept: metrics of the picture of all light, of seams and of further frames stay.
   void keep_others(Metrics& metrics, Truth truth) const {
     metrics["radiosity_error"] = record_.metric(truth, "radiosity_error");
     for (const auto& [name, value] : record_.metrics[truth])
       if (metric_is_of(name) == MetricInfo::Of::sequence) metrics[name] = value;
+    keep_seams(metrics, record_.metrics[truth]);
+  }
+  static void keep_seams(Metrics& metrics, const Metrics& before) {
+    for (const auto& [name, value] : before)
+      if (is_of_seams(name)) metrics[name] = value;
   }
 
   /// Puts the causes of the file into the row's lights, unless they belong to other frames: then none has any. Returns why the

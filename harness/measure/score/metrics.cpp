@@ -98,6 +98,7 @@ const Displacement& Scoring::displacement() const { return once(displacement_, m
 const std::vector<float>& Scoring::edge_distance() const { return once(edge_distance_, measure_edge_distance, evidence_); }
 const std::vector<BinCount>& Scoring::edge_bins() const { return once(edge_bins_, count_edge_bins, *this); }
 const std::vector<BinCount>& Scoring::angle_bins() const { return once(angle_bins_, count_angle_bins, evidence_); }
+const std::vector<SeamBin>& Scoring::seam_bins() const { return once(seam_bins_, measure_seam_bins, evidence_); }
 const Softness& Scoring::softness() const { return once(softness_, measure_softness, evidence_); }
 const Softness& Scoring::softness_of_half() const { return once(softness_of_half_, measure_softness_of_half, evidence_); }
 const LightError& Scoring::light_error() const { return once(light_error_, measure_light_error, *this); }

@@ -33,6 +33,7 @@ struct Evidence {
   /// standard errors; empty where it was not requested, and of a technique that has no such picture.
   std::span<const float> global_picture = {}, global_reference = {}, global_error = {};
   std::span<const CauseInfo> own_causes = {};  ///< that the technique has beside the common ones
+  std::span<const std::uint32_t> parts = {};   ///< Technique::image_parts; empty of a technique of one part
   AnswerKind kind = AnswerKind::binary;        ///< of the reference: what the mask is compared with
   /// Where lights are of several channels (see Together), else empty: each channel's own. A metric is the mean over them.
   std::vector<Evidence> channels = {};
@@ -56,6 +57,12 @@ struct ErrorCounts {
 /// Pixels of T that lie in one bin, and the wrong ones among them.
 struct BinCount {
   std::size_t tested = 0, wrong = 0;
+};
+
+/// Pixels of T that lie as far from the technique's nearest seam, and what they are off by.
+struct SeamBin {
+  std::size_t tested = 0;
+  double error_sum = 0;  ///< of |mask - reference|
 };
 
 /// The metrics where the reference has penumbra: 0.02 < V < 0.98 at a pixel of T. The band is all within 2 px of such pixels.
@@ -104,6 +111,8 @@ class Scoring {
   /// Bins of the distance to the reference's boundary, and of the angle of light to surface; empty without a G-buffer.
   const std::vector<BinCount>& edge_bins() const;
   const std::vector<BinCount>& angle_bins() const;
+  /// Bins of the distance to the technique's nearest seam; empty of a technique of one part.
+  const std::vector<SeamBin>& seam_bins() const;
   const Softness& softness() const;
   /// Of what half of the reference's rays say, as if that were the mask.
   const Softness& softness_of_half() const;
@@ -120,6 +129,7 @@ class Scoring {
   mutable std::optional<Displacement> displacement_;
   mutable std::optional<std::vector<float>> edge_distance_;
   mutable std::optional<std::vector<BinCount>> edge_bins_, angle_bins_;
+  mutable std::optional<std::vector<SeamBin>> seam_bins_;
   mutable std::optional<Softness> softness_, softness_of_half_;
   mutable std::optional<std::vector<double>> received_;  ///< of one light
   mutable std::optional<LightError> light_error_;
@@ -141,11 +151,17 @@ struct MetricInfo {
 std::span<const MetricInfo> metric_infos();
 /// Of the metric of that name; of a name that is none, `frame`.
 MetricInfo::Of metric_is_of(std::string_view name);
+/// Metrics of pixels by their distance to a seam, which need Technique::image_parts: a bin's mean error and its share of T.
+inline constexpr std::string_view seam_error_prefix = "error_seam_", seam_share_prefix = "seam_share_";
+inline bool is_of_seams(std::string_view metric) {
+  return metric.starts_with(seam_error_prefix) || metric.starts_with(seam_share_prefix);
+}
 /// The metric that compares channels, which those of one do not have.
 inline constexpr std::string_view hue_error_name = "hue_error";
 
 // The bodies of metrics that fill a file of their own.
 Displacement measure_displacement(const Evidence& evidence);
+std::vector<SeamBin> measure_seam_bins(const Evidence& evidence);
 Softness measure_softness(const Evidence& evidence);
 LightError measure_light_error(const Scoring& scoring);
 GlassError measure_glass_error(const Evidence& evidence);

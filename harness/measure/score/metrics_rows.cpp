@@ -72,6 +72,18 @@ std::optional<double> glass_error_behind(const Scoring& s) {
   return s.glass_error().by_surfaces[k];
 }
 
+template <std::size_t k>
+std::optional<double> error_by_seam(const Scoring& s) {
+  const std::vector<SeamBin>& bins = s.seam_bins();
+  return bins.empty() ? std::nullopt : share(bins[k].error_sum, static_cast<double>(bins[k].tested));
+}
+
+template <std::size_t k>
+std::optional<double> share_by_seam(const Scoring& s) {
+  const std::vector<SeamBin>& bins = s.seam_bins();
+  return bins.empty() ? std::nullopt : share(static_cast<double>(bins[k].tested), static_cast<double>(s.error_counts().tested));
+}
+
 /// Of all numbers the median is the nearest to the reference in the mean.
 std::optional<double> constant_error(const Scoring& s) {
   const Evidence& e = s.evidence();
@@ -168,6 +180,26 @@ constexpr MetricInfo metric_rows[] = {
      wrong_rate_in_bin<&Scoring::angle_bins, 2>},
     {"wrong_rate_angle_60_90", "", "lower", "Wrong rate of the pixels of T that it meets at 60 to 90 degrees.",
      wrong_rate_in_bin<&Scoring::angle_bins, 3>},
+    {"error_seam_0_1", "", "lower",
+     "Error of the pixels of T within 1 px of a seam: where two slices, faces or pages of the technique's images meet on one "
+     "surface.",
+     error_by_seam<0>},
+    {"error_seam_1_2", "", "lower", "Error of the pixels of T more than 1 px, at most 2 px from one.", error_by_seam<1>},
+    {"error_seam_2_4", "", "lower", "Error of the pixels of T more than 2 px, at most 4 px from one.", error_by_seam<2>},
+    {"error_seam_4_8", "", "lower", "Error of the pixels of T more than 4 px, at most 8 px from one.", error_by_seam<3>},
+    {"error_seam_8_16", "", "lower", "Error of the pixels of T more than 8 px, at most 16 px from one.", error_by_seam<4>},
+    {"error_seam_16_32", "", "lower", "Error of the pixels of T more than 16 px, at most 32 px from one.", error_by_seam<5>},
+    {"error_seam_32_64", "", "lower", "Error of the pixels of T more than 32 px, at most 64 px from one.", error_by_seam<6>},
+    {"error_seam_64_up", "", "lower", "Error of the pixels of T more than 64 px from one, or where the picture has none.",
+     error_by_seam<7>},
+    {"seam_share_0_1", "", "", "Share of T within 1 px of a seam.", share_by_seam<0>},
+    {"seam_share_1_2", "", "", "Share of T more than 1 px, at most 2 px from one.", share_by_seam<1>},
+    {"seam_share_2_4", "", "", "Share of T more than 2 px, at most 4 px from one.", share_by_seam<2>},
+    {"seam_share_4_8", "", "", "Share of T more than 4 px, at most 8 px from one.", share_by_seam<3>},
+    {"seam_share_8_16", "", "", "Share of T more than 8 px, at most 16 px from one.", share_by_seam<4>},
+    {"seam_share_16_32", "", "", "Share of T more than 16 px, at most 32 px from one.", share_by_seam<5>},
+    {"seam_share_32_64", "", "", "Share of T more than 32 px, at most 64 px from one.", share_by_seam<6>},
+    {"seam_share_64_up", "", "", "Share of T more than 64 px from one, or where the picture has none.", share_by_seam<7>},
     {"shadow_area_ratio", "ratio", "",
      "Area of surface in cast shadow over the pixels of T, technique to reference; best at 1.", shadow_area_ratio},
     {"instability", "", "lower",

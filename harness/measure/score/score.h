@@ -12,6 +12,7 @@ struct Answer {
   std::vector<Cause> causes;                        ///< empty until they are looked for
   LightShareKind estimates = LightShareKind::area;  ///< what the mask is compared with under a light with area
   std::vector<CauseInfo> own_causes = {};           ///< of the technique; the texts they refer to outlive the answer
+  std::vector<std::uint32_t> parts = {};            ///< Technique::image_parts
 
   /// Scene and light must outlive it, as this must.
   Evidence evidence(const Scene& scene, const Light& light) const { return evidence(&scene, &light); }
@@ -34,6 +35,7 @@ struct Answer {
             .caster_distance = reference.caster_distance,
             .surfaces = reference.surfaces,
             .own_causes = own_causes,
+            .parts = parts,
             .kind = reference.kind};
   }
 };

@@ -11,7 +11,7 @@ namespace gnomon {
 
 /// Version of these, and of the files that pass between both sides. One more with every change that an older worker would
 /// misunderstand.
-inline constexpr int worker_protocol = 7;
+inline constexpr int worker_protocol = 8;
 
 /// A worker with a request for several iterations of a stage answers after the one in which these seconds are over, with as
 /// many as it has done: an answer takes no longer than this and one call of the stage.
@@ -243,6 +243,18 @@ struct DepthCurveRequest {
 };
 void for_each_field(MaybeConst<DepthCurveRequest> auto& r, const auto& use) { use("pixel", r.pixel, "light", r.light); }
 void for_each_field(MaybeConst<DepthCurveRequest::Reply> auto& r, const auto& use) { use("curve", r.curve); }
+
+/// Technique::image_parts: `out` gets a uint32 for each pixel.
+struct PartsRequest {
+  static constexpr const char* verb = "parts";
+  std::string out = {};
+  std::size_t light = 0;
+  struct Reply {
+    bool has_parts = false;
+  };
+};
+void for_each_field(MaybeConst<PartsRequest> auto& r, const auto& use) { use("out", r.out, "light", r.light); }
+void for_each_field(MaybeConst<PartsRequest::Reply> auto& r, const auto& use) { use("has_parts", r.has_parts); }
 
 struct DebugRequest {
   static constexpr const char* verb = "debug";

@@ -23,14 +23,15 @@ WorkerOptions with_program_folder(WorkerOptions options, const fs::path& folder)
   return options;
 }
 
-/// Three floats a pixel from a file that the worker wrote. `what` they are, for the Error where their number is another.
-std::vector<float> read_rgb(const fs::path& file, std::size_t pixels, const std::string& what) {
+/// So many numbers from a file that the worker wrote. `what` they are, for the Error where there are more or fewer.
+template <class Number>
+std::vector<Number> read_numbers(const fs::path& file, std::size_t count, const std::string& what) {
   const auto written = MappedFile::copy(file);
-  std::vector<float> rgb(3 * pixels);
-  if (written->bytes().size() != rgb.size() * sizeof(float))
-    throw Error("{} has {} bytes; {} are required", what, written->bytes().size(), rgb.size() * sizeof(float));
-  std::memcpy(rgb.data(), written->bytes().data(), written->bytes().size());
-  return rgb;
+  std::vector<Number> numbers(count);
+  if (written->bytes().size() != count * sizeof(Number))
+    throw Error("{} has {} bytes; {} are required", what, written->bytes().size(), count * sizeof(Number));
+  std::memcpy(numbers.data(), written->bytes().data(), written->bytes().size());
+  return numbers;
 }
 
 }  // namespace
@@ -224,17 +225,23 @@ std::optional<DepthCurve> WorkerClient::depth_curve(std::uint32_t pixel, std::si
   return curve;
 }
 
+std::vector<std::uint32_t> WorkerClient::parts(std::size_t light) {
+  bring_up(Stage::resolve);
+  if (!process_.ask(PartsRequest{file("parts").string(), light}, timeout_seconds_).has_parts) return {};
+  return checked([&] { return read_numbers<std::uint32_t>(file("parts"), pixel_count_, "the list of parts"); });
+}
+
 std::vector<float> WorkerClient::debug_layer(const std::string& layer, std::size_t light) {
   bring_up(Stage::resolve);
   process_.ask(DebugRequest{layer, file("layer").string(), light}, timeout_seconds_);
-  return checked([&] { return read_rgb(file("layer"), pixel_count_, "debug layer " + layer); });
+  return checked([&] { return read_numbers<float>(file("layer"), 3 * pixel_count_, "debug layer " + layer); });
 }
 
 std::optional<std::vector<float>> WorkerClient::global_picture(std::size_t light) {
   bring_up(Stage::resolve);
   if (!process_.ask(GlobalRequest{file("global").string(), light}, timeout_seconds_).has_picture) return std::nullopt;
   return checked([&] {
-    std::vector<float> rgb = read_rgb(file("global"), pixel_count_, "the global picture");
+    std::vector<float> rgb = read_numbers<float>(file("global"), 3 * pixel_count_, "the global picture");
     for (std::size_t k = 0; k < rgb.size(); ++k)
       if (!(rgb[k] >= 0 && std::isfinite(rgb[k])))
         throw Error("the global picture's value {} at pixel {} is no radiance", rgb[k], k / 3);

@@ -118,6 +118,8 @@ class WorkerClient {
   ErrorParts error_terms(std::span<const float> exact, std::size_t light = 0);
   /// Technique::depth_curve of a pixel under one of the frame's lights; each of its curves has a share for each depth.
   std::optional<DepthCurve> depth_curve(std::uint32_t pixel, std::size_t light = 0);
+  /// Technique::image_parts under one of the frame's lights, one a pixel; empty from a technique of one part.
+  std::vector<std::uint32_t> parts(std::size_t light = 0);
   /// Three linear floats a pixel of the frame.
   std::vector<float> debug_layer(const std::string& name, std::size_t light = 0);
   /// Technique::global_picture under one of the frame's lights, its size and values checked.

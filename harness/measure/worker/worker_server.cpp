@@ -45,6 +45,7 @@ class TechniqueServer {
     on<ExplainRequest>([this](const auto& request) { return explain(request); });
     on<ErrorTermsRequest>([this](const auto& request) { return error_terms(request); });
     on<DepthCurveRequest>([this](const auto& request) { return depth_curve(request); });
+    on<PartsRequest>([this](const auto& request) { return parts(request); });
     on<DebugRequest>([this](const auto& request) { return debug(request); });
     on<GlobalRequest>([this](const auto& request) { return global(request); });
     on<DetailRequest>([this](const auto& request) { return detail(request); });
@@ -126,6 +127,15 @@ class TechniqueServer {
     frame_.require_pixel(request.pixel);
     const Technique* const technique = frame_.object_of(request.light);
     return {technique ? technique->depth_curve(request.pixel) : std::nullopt};
+  }
+
+  PartsRequest::Reply parts(const PartsRequest& request) {
+    frame_.bring_up(Stage::resolve);
+    const Technique* const technique = frame_.object_of(request.light);
+    const std::vector<std::uint32_t> parts = technique ? technique->image_parts() : std::vector<std::uint32_t>();
+    if (parts.empty()) return {};
+    write_file(request.out, std::as_bytes(std::span(parts)));
+    return {true};
   }
 
   Done debug(const DebugRequest& request) {

@@ -130,6 +130,26 @@ TEST_F(CascadedMap, explanations_name_the_texels_of_the_right_image) {
   EXPECT_EQ(widths.size(), 4u) << "one width of texels for each slice";
 }
 
+// A pixel's part is the number of its slice: parts follow depth, and there are as many as cascades.
+TEST_F(CascadedMap, parts_are_slices_of_depth) {
+  const Scene scene = map_scenes::soup_over_ground(4);
+  const GBuffer g = small_world::make_gbuffer(scene, low_view, 96, 72);
+  const auto cascaded = run("resolution=128,cascades=3", scene, sun, g);
+  const std::vector<std::uint32_t> parts = cascaded.technique->image_parts();
+  ASSERT_EQ(parts.size(), g.size());
+  const glm::dvec3 axis = glm::normalize(glm::dvec3(low_view.target) - glm::dvec3(low_view.eye));
+  std::vector<std::pair<double, std::uint32_t>> by_depth;
+  for (std::size_t i = 0; i < g.size(); ++i) {
+    EXPECT_EQ(parts[i] != 0, faces_light(scene, g, sun, i)) << i;
+    if (parts[i] != 0) by_depth.emplace_back(glm::dot(axis, glm::dvec3(g.position(i)) - glm::dvec3(low_view.eye)), parts[i]);
+  }
+  std::ranges::sort(by_depth);
+  EXPECT_TRUE(std::ranges::is_sorted(by_depth, {}, &std::pair<double, std::uint32_t>::second));
+  EXPECT_EQ(by_depth.front().second, 1u);
+  EXPECT_EQ(by_depth.back().second, 3u);
+  EXPECT_TRUE(run("resolution=128,cascades=1", scene, sun, g).technique->image_parts().empty());
+}
+
 // A step of the eye that is no multiple of a texel leaves shadow edges on the ground where they are.
 TEST_F(CascadedMap, stable_images_keep_their_texels_while_the_eye_slides) {
   const Scene scene = map_scenes::soup_over_ground(8);

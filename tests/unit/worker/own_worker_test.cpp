@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <set>
 
 #include "measure/frame/frame.h"
 #include "measure/scene/load.h"
@@ -104,6 +105,22 @@ TEST_F(OwnWorker, a_technique_without_samples_explains_nothing) {
   const auto explanations = client.explain(pixels);
   ASSERT_EQ(explanations.size(), 3u);
   EXPECT_FALSE(explanations[0] || explanations[1] || explanations[2]);
+}
+
+// A light without direction looks through six faces, a map of one image has one part, and rays have no images.
+TEST_F(OwnWorker, gives_the_parts_of_images) {
+  for (const char* technique : {"shadow_map", "virtual_map", "embree_rays"}) {
+    WorkerClient client = worker(technique);
+    client.load(request(technique));
+    client.frame(frame());
+    const std::vector<std::uint32_t> parts = client.parts();
+    if (technique == std::string_view("embree_rays")) {
+      EXPECT_TRUE(parts.empty());
+      continue;
+    }
+    ASSERT_EQ(parts.size(), pixel_count) << technique;
+    EXPECT_GT(std::set(parts.begin(), parts.end()).size(), 2u) << technique << ": none, and two at least";
+  }
 }
 
 // At the depth where it was looked up a curve has the mask's answer: no caster is opaque where that is between 0 and 1.

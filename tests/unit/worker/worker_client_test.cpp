@@ -282,4 +282,23 @@ TEST_F(ScriptedWorker, a_depth_curve_comes_as_it_was_or_is_a_failure) {
   EXPECT_NE(reason([&] { asked(json_text(written(reply))); }).find("exact.share = null is not a number"), std::string::npos);
 }
 
+TEST_F(ScriptedWorker, parts_are_a_number_a_pixel_or_a_failure) {
+  const std::string frame =
+      "hear\nsay "
+      "'{\"support\":{\"support\":\"full\",\"why\":\"\"},\"fresh\":5,\"lights\":[{\"support\":\"full\",\"why\":\"\"}],"
+      "\"floor\":\"\"}'\nhear\n";
+  const std::string file = (folder.path() / "w.parts").string();
+  const auto asked = [&](const std::string& make, bool has_parts) {
+    WorkerClient worker = loaded(fmt::format("{}{} > {}\nsay '{{\"has_parts\":{}}}'\nhear\n", frame, make, file, has_parts));
+    worker.load(anything);
+    worker.frame(small_frame());
+    return worker.parts();
+  };
+  EXPECT_EQ(asked("printf '\\1\\0\\0\\0\\0\\0\\0\\0\\2\\1\\0\\0\\1\\0\\0\\0'", true),
+            (std::vector<std::uint32_t>{1, 0, 258, 1}));
+  EXPECT_NE(requests().find("{\"do\":\"parts\","), std::string::npos) << requests();
+  EXPECT_TRUE(asked("true", false).empty());
+  EXPECT_NE(reason([&] { asked("head -c 12 /dev/zero", true); }).find("has 12 bytes; 16 are required"), std::string::npos);
+}
+
 }  // namespace worker_client_test

@@ -53,6 +53,7 @@ class AreaMap : public Technique {
   Counts counts() const override;
   /// Where `alpha` or `glass` is a cause; nothing elsewhere.
   std::optional<Explanation> explain(std::size_t index) const override;
+  std::vector<std::uint32_t> image_parts() const override;
   std::vector<DebugLayer> debug_layers() const override;
   std::vector<float> draw_debug(std::string_view layer) const override;
 

@@ -60,6 +60,7 @@ class GlassMap : public Technique {
   Counts counts() const override;
   std::optional<Explanation> explain(std::size_t index) const override;
   std::optional<DepthCurve> depth_curve(std::size_t index) const override;
+  std::vector<std::uint32_t> image_parts() const override;
   std::vector<DebugLayer> debug_layers() const override;
   std::vector<float> draw_debug(std::string_view layer) const override;
 

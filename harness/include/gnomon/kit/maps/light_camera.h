@@ -141,6 +141,10 @@ LightCamera fit_to_view(const Light& light, const MeshBoxes& boxes, const GBuffe
 /// The receiving points of a picture that face the light, row after row: for fits of one's own.
 std::vector<glm::dvec3> points_facing(const Light& light, const MeshBoxes& boxes, const GBuffer& gbuffer);
 
+/// For Technique::image_parts: the image that each pixel is looked up in, from 1 on; 0 where it does not face the light. Nothing of a
+/// camera with one image. Next to a seam the shader's float32 may say otherwise than this does in double.
+std::vector<std::uint32_t> parts_of(const LightCamera& camera, const Scene& scene, const GBuffer& gbuffer, const Light& light);
+
 /// Whether images take all of the extents that they are given, or what casters share with them.
 enum class FitWindow { shared, whole };
 /// Fitted to what receives: an image for each of the extents, which are those of the faces of the light's space, or of the
