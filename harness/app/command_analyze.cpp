@@ -20,6 +20,7 @@ const std::map<std::string, std::vector<std::string>> taken_options{
     {"map", {"--x", "--y", "--facet", "--error"}},
     {"motion", {"--error"}},
     {"sweep", {"--x", "--error"}},
+    {"seams", {}},
     {"stages", {"--cost"}},
     {"causes", {}},
 };
@@ -146,10 +147,12 @@ void make_figure(PictureOptions& options, const Command& command) {
 }  // namespace
 
 void add_analyze(Program& program) {
-  auto [command, options] = program.line.command<AnalyzeOptions>(
-      "analyze", "What a run says of growth, fronts, budgets, parameters and motion: DIR... growth|front|best|map|motion|sweep",
-      print_analysis);
-  add_shared_options(command, "growth, front, best, map, motion or sweep", options);
+  auto [command, options] =
+      program.line.command<AnalyzeOptions>("analyze",
+                                           "What a run says of growth, fronts, budgets, parameters, motion and seams: DIR... "
+                                           "growth|front|best|map|motion|sweep|seams",
+                                           print_analysis);
+  add_shared_options(command, "growth, front, best, map, motion, sweep or seams", options);
   command.option("--format", &options.format, "terminal, md, csv, tex or json");
   command.option("--times", &options.analysis.times, "best: budgets in ms", {.check = above_zero(), .delimiter = ','});
   command.option("--memories", &options.analysis.memories, "best: budgets in MiB", {.check = above_zero(), .delimiter = ','});

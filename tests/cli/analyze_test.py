@@ -117,6 +117,21 @@ class Analyze(ProgramTest):
         self.refuse("figure", run, "growth", "--cost", "light", "--script", says=["--cost is for front and stages; growth"])
         self.refuse("analyze", run, "sweep", "--x", "a", "--y", "b", says=["--y is for map; sweep does not take it"])
 
+    def test_seams_show_where_the_error_lies(self):
+        bins = ("0_1", "1_2", "2_4", "4_8", "8_16", "16_32", "32_64", "64_up")
+        errors, shares = (0.8, 0.4, 0.2, 0.1, 0.05, 0.05, 0.05, 0.05), (0.02, 0.03, 0.05, 0.1, 0.2, 0.2, 0.2, 0.2)
+        metrics = {"error": sum(e * s for e, s in zip(errors, shares)), **{f"error_seam_{b}": e for b, e in zip(bins, errors)},
+                   **{f"seam_share_{b}": s for b, s in zip(bins, shares)}}
+        run = self.run_of(record("cascaded_map", metrics={"shape": metrics}), record("svbsp"))
+        row, = self.rows(run, "seams")
+        self.assertEqual(row["setting"], "cascaded_map")
+        self.assertEqual([float(row[f"error_seam_{b}"]) for b in bins], list(errors))
+        self.assertAlmostEqual(float(row["near_share"]), 0.2)
+        self.assertAlmostEqual(float(row["near_part"]), 0.048 / 0.088)
+        self.assertIn("error in % by distance in px to the nearest seam", self.succeed("analyze", run, "seams"))
+        self.refuse("analyze", run, "seams", "--error", "wrong_rate", says=["--error is for", "seams does not take it"])
+        self.refuse("analyze", run, "seams", "--filter", "svbsp", says=["no row of these records has seams", "virtual_map"])
+
     def test_numbers_are_numbers(self):
         run = self.run_of(record(), record("other", cost=2))
         for value in ("nan", "inf", "-1", "0", "1x", "2,nan"):
@@ -265,7 +280,7 @@ class Analyze(ProgramTest):
         self.refuse("analyze", run, "motion", says=["no row of these records follows a path"])
         self.refuse("analyze", run, "front", "--filter", "no such row", says=["holds no record that matches no such row"])
         self.refuse("analyze", run, "front", "--filter", "(", says=["--filter ( is not a regular expression"])
-        self.refuse("analyze", "front", says=["a run's folder and a kind", "growth, front, best, map, motion, sweep"])
+        self.refuse("analyze", "front", says=["a run's folder and a kind", "growth, front, best, map, motion, sweep, seams"])
         self.refuse("analyze", "nowhere", "front", says=["nowhere"])
 
     def test_the_shipped_run_has_a_front_over_all_its_scenes(self):

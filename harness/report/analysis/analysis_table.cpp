@@ -12,7 +12,8 @@ struct Kind {
 };
 constexpr Kind kinds[] = {{"growth", analysis::growth_tables}, {"front", analysis::front_tables},
                           {"best", analysis::best_tables},     {"map", analysis::map_tables},
-                          {"motion", analysis::motion_tables}, {"sweep", analysis::sweep_tables}};
+                          {"motion", analysis::motion_tables}, {"sweep", analysis::sweep_tables},
+                          {"seams", analysis::seams_tables}};
 
 }  // namespace
 

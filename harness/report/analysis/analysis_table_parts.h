@@ -53,5 +53,6 @@ Tables best_tables(std::span<const Record> records, const AnalysisOptions& optio
 Tables map_tables(std::span<const Record> records, const AnalysisOptions& options, Format format);
 Tables motion_tables(std::span<const Record> records, const AnalysisOptions& options, Format format);
 Tables sweep_tables(std::span<const Record> records, const AnalysisOptions& options, Format format);
+Tables seams_tables(std::span<const Record> records, const AnalysisOptions& options, Format format);
 
 }  // namespace gnomon::analysis

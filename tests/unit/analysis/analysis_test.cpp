@@ -8,7 +8,9 @@
 
 #include "analysis/front.h"
 #include "analysis/map.h"
+#include "analysis/seams.h"
 #include "analysis_rows.h"
+#include "measure/score/metrics.h"
 #include "report/analysis/analysis_table.h"
 
 namespace analysis_test {
@@ -310,6 +312,10 @@ TEST(analyze, every_kind_speaks_every_format) {
   records.push_back(row("a", 1, 1, 0.2));
   records.back().path = "slide";
   records.back().frames = {{"error", {0.2, 0.1}}};
+  records.push_back(row("cascades", 1, 1, 0.1));
+  for (const std::string& bin : seam_bin_names())
+    for (const std::string_view of : {seam_error_prefix, seam_share_prefix})
+      records.back().metrics[Truth::shape][fmt::format("{}{}", of, bin)] = 0.125;
   for (const std::string& kind : analysis_kinds()) {
     AnalysisOptions options;
     if (kind == "sweep") options.x = "count";
