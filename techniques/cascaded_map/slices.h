@@ -60,8 +60,15 @@ inline DepthRange depths_of(std::span<const glm::dvec3> points, const ViewSlices
   return all;
 }
 
+/// The length of each slice of `range` but the last.
+inline std::vector<double> lengths_of(const DepthRange& range, std::span<const double> ends) {
+  std::vector<double> lengths;
+  for (std::size_t i = 0; i < ends.size(); ++i) lengths.push_back(ends[i] - (i == 0 ? range.near : ends[i - 1]));
+  return lengths;
+}
+
 /// What of each slice the points take, as seen through the light's only face. Points within `rounding` meters of depth of two
-/// slices are in both.
+/// slices are in both, and so are those where two are blended.
 inline std::vector<LightExtent> seen_in_slices(std::span<const glm::dvec3> points, const LightSpaceFace& face,
                                                const ViewSlices& slices, double rounding) {
   std::vector<LightExtent> all(slices.ends.size() + 1);
@@ -76,7 +83,8 @@ inline std::vector<LightExtent> seen_in_slices(std::span<const glm::dvec3> point
       // What rounding may put into a neighbor is seen by both: shaders compute depths in float32.
       const double depth = slices.depth_of(point);
       if (slice > 0 && depth - slices.ends[slice - 1] < rounding) found[slice - 1].add(place, q.z);
-      if (slice < std::ssize(slices.ends) && slices.ends[slice] - depth < rounding) found[slice + 1].add(place, q.z);
+      if (slice < std::ssize(slices.ends) && slices.ends[slice] - depth < rounding + slices.overlap(slice))
+        found[slice + 1].add(place, q.z);
     }
     const std::scoped_lock lock(mutex);
     for (std::size_t k = 0; k < all.size(); ++k) all[k].add(found[k]);

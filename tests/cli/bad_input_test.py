@@ -51,6 +51,10 @@ class Words(ProgramTest):
             self.refuse_run("--scene", "soup", "--technique", technique, says=["shadow_map.resolution = ", "64 .. 8192 texel"])
         self.refuse_run("--scene", "soup", "--technique", "shadow_map:filter=box", says=["shadow_map.filter = box", "nearest | pcf"])
         self.refuse_run("--scene", "soup", "--technique", "shadow_map:pass=mesh", says=["shadow_map.pass = mesh", "fragment | compute"])
+        # A blend wider than a slice.
+        for value in ("1.5", "-0.1"):
+            self.refuse_run("--scene", "soup", "--technique", f"cascaded_map:blend={value}",
+                            says=[f"cascaded_map.blend = {value} is outside 0 .. 1"])
         self.refuse_run("--scene", "soup", "--technique", "shadow_map:resolution", says=["'resolution'", "parameter=value"])
         self.refuse_run("--scene", "soup", "--technique", "shadow_map:resolution=64,resolution=128", says=["resolution", "twice"])
         self.refuse_run("--scene", "soup", "--technique", "shadow_map:resolution={64,128", says=["opens a brace"])

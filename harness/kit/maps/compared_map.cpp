@@ -1,5 +1,4 @@
 #include <gnomon/kit/maps/compared_map.h>
-#include <gnomon/kit/maps/light_layers.h>
 
 namespace gnomon {
 
@@ -18,14 +17,17 @@ float visibility_here() {
 }
 )";
 
-/// Writes where that looks, in texels, the layer of the image, by `decided_early` more where five texels decide, and what the
+/// Writes where that looks, in texels, the layer of the image, by DECIDED_EARLY more where five texels decide, and what the
 /// decision notes.
-constexpr int decided_early = 1024;
 constexpr std::string_view explain_body = R"(
 layout(location = 0) out vec4 looked_up;
 void main() {
   vec4 surface = position_here(), facet = normal_here();
+#ifdef AGAIN
+  ComparedPoint point = asked_again(surface, facet);
+#else
   ComparedPoint point = ask(surface, facet);
+#endif
   vec4 facts = light_facts;
 #ifdef BAILS_EARLY
   compared(point);
@@ -97,23 +99,26 @@ Support ComparedMap::supports(const Scene& scene, const Light& light, const View
   return glass.limit(scene, alpha.limit(scene, coarse_depth(scene, light, support)));
 }
 
-Program ComparedMap::resolve_program(LightProjection projection, bool explains) const {
+Program ComparedMap::resolve_program(LightProjection projection, Purpose purpose) const {
   const std::string head = fmt::format("{}{}#define DECIDED_EARLY {}\n", light_map_head(projection, images()),
                                        comparison_head(comparison(light_)), decided_early);
   const std::string by_more = decision(), constants = comparison_constants(projection, images());
   const std::string text = fmt::format("{}{}{}{}{}", head, light_map_snippet, comparison_snippet, filter_snippet,
                                        by_more.empty() ? depths_decide : by_more);
-  if (!explains) return mask_program(fmt::format("{} resolve", id()), constants, text + std::string(compare_body), mask_pass());
-  return pass_program(fmt::format("{} explain", id()), constants, fmt::format("{}{}{}", gbuffer_snippet, text, explain_body));
+  if (purpose == Purpose::resolve)
+    return mask_program(fmt::format("{} resolve", id()), constants, text + std::string(compare_body), mask_pass());
+  return pass_program(
+      fmt::format("{} explain", id()), constants,
+      fmt::format("{}{}{}{}", purpose == Purpose::explain_again ? "#define AGAIN\n" : "", gbuffer_snippet, text, explain_body));
 }
 
 void ComparedMap::setup() {
   made_->depth_images.setup();
   for (int i = 0; i < light_projection_count; ++i) {
-    made_->explain_programs[i].reset();
+    for (auto& programs : made_->explain_programs) programs[i].reset();
     // Slices and warps are of one image: a cube has none.
     if (images() == LightImages::faces || LightProjection(i) != LightProjection::cube)
-      made_->resolve_programs[i] = resolve_program(LightProjection(i), false);
+      made_->resolve_programs[i] = resolve_program(LightProjection(i), Purpose::resolve);
   }
   if (stored_depth().is_combined()) made_->combination.setup(stored_depth().kind);
   made_->framebuffer = make_framebuffer();
@@ -184,7 +189,7 @@ void ComparedMap::resolve(const GBuffer& gbuffer, VisibilityMask& mask) {
   const StateGuard guard;
   gbuffer_ = &gbuffer;
   if (made_->read_of == this) {
-    made_->read_look_ups.clear();
+    made_->read_look_ups = {};
     made_->alpha_difference.reset();
   }
   if (draws_in_resolve_) draw_images(fitted_to_view(light_, made_->depth_images.boxes(), gbuffer, comparison(light_).margin()));
@@ -209,98 +214,6 @@ Counts ComparedMap::counts() const {
           {"faces", double(camera_.layer_count), ""},
           {"triangles", double(drawn_triangles_), ""},
           {"bytes", bytes, "byte"}};
-}
-
-void ComparedMap::start_questions() const {
-  if (made_->read_of == this) return;
-  made_->read_of = this;
-  made_->read_depths.clear();
-  made_->read_look_ups.clear();
-  made_->alpha_difference.reset();
-}
-
-const std::vector<float>& ComparedMap::depths() const {
-  start_questions();
-  if (made_->read_depths.empty()) made_->read_depths = read_texels<float>(map(depths_), GL_DEPTH_COMPONENT);
-  return made_->read_depths;
-}
-
-// By the very shader: next to a border of texels, or of images, float32 decides.
-ComparedMap::Place ComparedMap::looked_up(std::size_t index) const {
-  start_questions();
-  if (made_->read_look_ups.empty()) {
-    const StateGuard guard;
-    auto& program = made_->explain_programs[int(projection())];
-    if (!program) program = resolve_program(projection(), true);
-    const Texture texels(GL_RGBA32F, gbuffer_->width, gbuffer_->height);
-    look_up(*program, MaskPass::fragment, depths_, texels.name());
-    made_->read_look_ups = read_texels<glm::vec4>(texels, GL_RGBA);
-  }
-  const glm::vec4 found = made_->read_look_ups[index];
-  const int coded = static_cast<int>(found.z);
-  const auto image = std::ranges::find(camera_.images, coded % decided_early, &LightImage::layer);
-  const bool is_drawn = image != camera_.images.end() && found.x > -1e5;  // see set_light_camera
-  return {is_drawn ? &*image : nullptr, glm::dvec2(found.x, found.y), found.w, coded >= decided_early};
-}
-
-std::vector<float> ComparedMap::noted() const {
-  std::vector<float> numbers(gbuffer_->size());
-  for (std::size_t i = 0; i < numbers.size(); ++i)
-    if (faces_light(*made_->scene, *gbuffer_, light_, i)) numbers[i] = looked_up(i).noted;
-  return numbers;
-}
-
-/// The mask of the last resolve, once more, of these images of its camera.
-std::vector<float> ComparedMap::answer(const Depths& depths) const {
-  return read_mask(*gbuffer_,
-                   [&](unsigned target) { look_up(made_->resolve_programs[int(projection())], mask_pass(), depths, target); });
-}
-
-std::string_view ComparedMap::alpha_cause(std::size_t index) const {
-  const AlphaRule rule = made_->depth_images.hole_test().rule;
-  if (rule == AlphaRule::texel) return "";
-  start_questions();
-  const auto draw_by_texel = [&](Depths& by_texel) { draw(by_texel, {}); };
-  return AlphaDifference::cause(made_->alpha_difference, rule, made_->glass_difference.has_glass(), index, depths_,
-                                draw_by_texel, [&](const Depths& one) { return answer(one); });
-}
-
-std::optional<Explanation> ComparedMap::explain(std::size_t index) const {
-  if (!faces_light(*made_->scene, *gbuffer_, light_, index)) return Explanation();
-  Explanation why;
-  if (const Place place = looked_up(index); place.image) {
-    const int pixel = static_cast<int>(index), width = gbuffer_->width;
-    why = explain_comparison({camera_, *place.image, depths()}, comparison(light_),
-                             {.position = gbuffer_->position(index),
-                              .normal = gbuffer_->normal(index),
-                              .place = place.texel,
-                              .pixel = {pixel % width, pixel / width},
-                              .is_decided_early = place.is_decided_early});
-    why.cause = alpha_cause(index);
-    explain_decision(place.noted, why);
-  }
-  made_->glass_difference.explain(why, *gbuffer_, light_, index);
-  return why;
-}
-
-std::vector<std::uint32_t> ComparedMap::image_parts() const { return parts_of(camera_, *made_->scene, *gbuffer_, light_); }
-
-std::vector<DebugLayer> ComparedMap::debug_layers() const { return map_layers(images()); }
-
-std::vector<float> ComparedMap::draw_debug(std::string_view layer) const {
-  if (layer == "map")
-    return paint_map(camera_, gbuffer_->width, gbuffer_->height,
-                     [&](std::size_t image) { return camera_.texels_of(camera_.images[image], depths()); });
-  if (layer != "texels") return Technique::draw_debug(layer);
-  std::vector<LookUp> look_ups(gbuffer_->size());
-  for (std::size_t i = 0; i < look_ups.size(); ++i) {
-    if (!faces_light(*made_->scene, *gbuffer_, light_, i)) continue;
-    const Place place = looked_up(i);
-    const LightImage* const image = place.image;
-    const int number = image ? static_cast<int>(image - camera_.images.data()) : camera_.image_of(gbuffer_->position(i));
-    look_ups[i] = {number, image ? glm::ivec2(glm::floor(place.texel)) : glm::ivec2(-1)};
-  }
-  return paint_texels(camera_, *made_->scene, *gbuffer_, light_, look_ups, answer(depths_));
 }
 
 }  // namespace gnomon

@@ -77,8 +77,11 @@ vec3 along_image(vec3 step) {
 vec2 across_image(vec3 n) { return (light_is_x ? n.yz : light_is_y ? n.zx : n.xy) / light_window.xy; }
 #elif defined(SLICED)
 vec4 light_window, light_facts;
+// A point is looked up in the slice of a depth that is so much larger.
+float light_ahead = 0;
+float depth_along_view(vec3 v) { return dot(v, light_depth.xyz) + light_depth.w; }
 void choose_image(vec3 v) {
-  float depth = dot(v, light_depth.xyz) + light_depth.w;
+  float depth = depth_along_view(v) + light_ahead;
   bool is_second = depth > light_ends.x, is_third = depth > light_ends.y, is_fourth = depth > light_ends.z;
   light_window = is_third ? (is_fourth ? light_windows[3] : light_windows[2])
                           : (is_second ? light_windows[1] : light_windows[0]);

@@ -150,6 +150,66 @@ TEST_F(CascadedMap, parts_are_slices_of_depth) {
   EXPECT_TRUE(run("resolution=128,cascades=1", scene, sun, g).technique->image_parts().empty());
 }
 
+TEST(cascaded_map_slices, lengths_are_those_of_all_slices_but_the_last) {
+  EXPECT_EQ(lengths_of({1, 16}, std::vector{2.0, 5.0, 9.0}), (std::vector{1.0, 3.0, 4.0}));
+  EXPECT_TRUE(lengths_of({1, 16}, {}).empty());
+}
+
+/// Plates half a meter above a ground, one behind the other along a low view.
+Scene plates_over_ground() {
+  Scene scene;
+  scene.meshes = {small_world::ground(3)};
+  for (int i = 0; i < 12; ++i) {
+    const float x = -2.6f + 0.45f * static_cast<float>(i);
+    scene.meshes.push_back(small_world::box({x, 0.5f, -0.4f}, {x + 0.15f, 0.55f, 0.4f}));
+  }
+  return scene;
+}
+
+// A point of the ground is lit by a texel that stores nothing more than a quarter of a meter before it: plates are half a meter
+// above it or more. The answer is the mean of that by the weights of the taps, and the weight of the second one, in the next
+// slice, grows from 0 where the overlap begins to 1 at the slice's end, linearly in depth.
+TEST_F(CascadedMap, blended_slices_are_weighted_means_of_both_look_ups) {
+  const Scene scene = plates_over_ground();
+  const GBuffer g = small_world::make_gbuffer(scene, low_view, 96, 72);
+  ViewSlices slices{.eye = low_view.eye, .axis = glm::normalize(glm::dvec3(low_view.target) - glm::dvec3(low_view.eye))};
+  for (const std::string placement : {"fitted", "stable"}) {
+    DepthRange range = depths_of(points_facing(sun, mesh_boxes(scene), g), slices);
+    if (placement == "stable") range = quantized(range);
+    slices.ends = practical_splits(range, 3, 0.5);
+    const std::vector<double> lengths = lengths_of(range, slices.ends);
+    const auto map = run("resolution=64,cascades=3,blend=0.5,placement=" + placement, scene, sun, g);
+    int both = 0, between = 0;
+    for (std::size_t i = 0; i < g.size(); ++i) {
+      if (g.mesh[i] != 0 || !faces_light(scene, g, sun, i)) continue;
+      const auto why = map.technique->explain(i);
+      ASSERT_TRUE(why);
+      if (why->taps.empty()) continue;  // nothing casts there
+      double weights = 0, lit = 0;
+      for (const Tap& tap : why->taps) {
+        weights += tap.weight;
+        if (tap.stored > glm::dot(glm::dvec3(g.position(i)) - tap.origin, tap.direction) - 0.25) lit += tap.weight;
+      }
+      EXPECT_NEAR(weights, 1, 1e-6) << i;
+      EXPECT_NEAR(map.mask[i], lit, 1e-5) << i;
+      between += map.mask[i] > 0.01f && map.mask[i] < 0.99f;
+      const int slice = slices.slice_of(g.position(i));
+      if (slice == 2) continue;
+      const double share = 1 + (slices.depth_of(g.position(i)) - slices.ends[slice]) / (0.5 * lengths[slice]);
+      if (share > 0.01 && share < 0.99) {
+        ASSERT_EQ(why->taps.size(), 2u) << i;
+        EXPECT_NEAR(why->taps[1].weight, share, 1e-4) << i;
+        ++both;
+      } else if (share < -0.01) {
+        EXPECT_EQ(why->taps.size(), 1u) << i;
+      }
+      if (placement == "stable") EXPECT_TRUE(why->covered) << i;
+    }
+    EXPECT_GT(both, 100) << placement;
+    EXPECT_GT(between, 0) << placement << ": edges of two images differ somewhere";
+  }
+}
+
 // A step of the eye that is no multiple of a texel leaves shadow edges on the ground where they are.
 TEST_F(CascadedMap, stable_images_keep_their_texels_while_the_eye_slides) {
   const Scene scene = map_scenes::soup_over_ground(8);

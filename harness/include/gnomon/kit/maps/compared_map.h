@@ -52,6 +52,10 @@ class ComparedMap : public Technique {
   virtual void bind_decision(const Program&, const Light&, const GBuffer&) const {}
   /// Called after the images of a camera were drawn, in the stage that drew them.
   virtual void images_drawn(const LightCamera&) {}
+  /// Whether the decision blends two look-ups of a point: then `noted` is the share of the second one, and it offers
+  ///
+  ///   ComparedPoint asked_again(vec4 surface, vec4 facet)   the second: as `ask`, in another image
+  virtual bool looks_twice() const { return false; }
   /// Changes what the depths explain of a pixel that faces the light, where its answer is not theirs alone.
   virtual void explain_decision([[maybe_unused]] float number, Explanation&) const {}
   /// What the decision notes of each pixel of the last resolve that faces the light; 0 at the others.
@@ -60,21 +64,23 @@ class ComparedMap : public Technique {
   int image_resolution() const { return resolution; }
   MaskPass mask_pass() const { return MaskPass(pass.index()); }
   const GBuffer& gbuffer() const { return *gbuffer_; }
+  const LightCamera& camera() const { return camera_; }
 
   /// What all lights share: a member of it each technique passes to `another`.
   struct Made {
     DepthImages depth_images;
     DepthCombination combination;
     std::array<Program, light_projection_count> resolve_programs;  // of the present bias, filter and pass
-    std::array<std::optional<Program>, light_projection_count> explain_programs;
+    std::array<std::array<std::optional<Program>, light_projection_count>, 2> explain_programs;  // by look-up
     Framebuffer framebuffer;
     const Scene* scene = nullptr;
     double diagonal = 0;  // of the scene, for adaptive: a pass over all vertices
     GlassDifference glass_difference;
     // What questions need, in memory: of one object at a time, for 64 lights' images fill a gigabyte.
     const ComparedMap* read_of = nullptr;
-    std::vector<float> read_depths;        // of all layers, read at the first question after a relight
-    std::vector<glm::vec4> read_look_ups;  // by pixel, drawn at the first question after a resolve
+    std::vector<float> read_depths;  // of all layers, read at the first question after a relight
+    // By look-up and pixel, drawn at the first question after a resolve.
+    std::array<std::vector<glm::vec4>, 2> read_look_ups;
     std::optional<AlphaDifference> alpha_difference;
   };
   Shared<Made> made_;
@@ -112,19 +118,25 @@ class ComparedMap : public Technique {
   const std::vector<float>& depths() const;
   /// A pixel's image and its place there, in texels, in the last resolve.
   struct Place {
-    const LightImage* image;  ///< null: nothing casts there
-    glm::dvec2 texel;
-    float noted;  ///< by the decision
-    bool is_decided_early;
+    const LightImage* image = nullptr;  ///< null: nothing casts there
+    glm::dvec2 texel{0};
+    float noted = 0;  ///< by the decision
+    bool is_decided_early = false;
   };
-  Place looked_up(std::size_t index) const;
+  static constexpr int decided_early = 1024;  ///< what explaining shaders add to the layer then
+  enum class LookUpOf { first, second };
+  Place looked_up(std::size_t index, LookUpOf which = LookUpOf::first) const;
+  /// What the depths say of a pixel there; where nothing casts, that a ray is lit.
+  Explanation explain_place(std::size_t index, const Place& place) const;
   std::vector<float> answer(const Depths& depths) const;
   /// What of `alpha` explains a wrong pixel of the last resolve; empty where nothing does.
   std::string_view alpha_cause(std::size_t index) const;
   void draw_images(LightCamera&& camera);
   /// Runs a program of resolve over all pixels, into a texture.
   void look_up(const Program& program, MaskPass by, const Depths& depths, unsigned target) const;
-  Program resolve_program(LightProjection projection, bool explains) const;
+  /// What a program is for: the mask, or where one of the look-ups of a point is.
+  enum class Purpose { resolve, explain, explain_again };
+  Program resolve_program(LightProjection projection, Purpose purpose) const;
   LightProjection projection() const { return projection_of(camera_); }
 
   Light light_;

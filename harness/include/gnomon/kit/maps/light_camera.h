@@ -87,12 +87,15 @@ struct ViewSlices {
   static constexpr int most = 4;
   glm::dvec3 eye{0}, axis{0};  ///< depth is measured along the axis, unit, from the eye
   std::vector<double> ends{};  ///< where all slices but the last one end, ascending, meters
+  /// Over how much depth before its end each of these is blended with the next, meters; empty: none is.
+  std::vector<double> overlaps{};
 
   bool operator==(const ViewSlices&) const = default;
   double depth_of(const glm::dvec3& point) const { return glm::dot(axis, point - eye); }
   int slice_of(const glm::dvec3& point) const {
     return static_cast<int>(std::ranges::lower_bound(ends, depth_of(point)) - ends.begin());
   }
+  double overlap(int slice) const { return overlaps.empty() ? 0 : overlaps[static_cast<std::size_t>(slice)]; }
 };
 
 /// What images a camera has: one for each face of the light; one for each slice of the picture, up to ViewSlices::most; one
@@ -141,8 +144,8 @@ LightCamera fit_to_view(const Light& light, const MeshBoxes& boxes, const GBuffe
 /// The receiving points of a picture that face the light, row after row: for fits of one's own.
 std::vector<glm::dvec3> points_facing(const Light& light, const MeshBoxes& boxes, const GBuffer& gbuffer);
 
-/// For Technique::image_parts: the image that each pixel is looked up in, from 1 on; 0 where it does not face the light. Nothing of a
-/// camera with one image. Next to a seam the shader's float32 may say otherwise than this does in double.
+/// For Technique::image_parts: the image that each pixel is looked up in, from 1 on; 0 where it does not face the light.
+/// Nothing of a camera with one image. Next to a seam the shader's float32 may say otherwise than this does in double.
 std::vector<std::uint32_t> parts_of(const LightCamera& camera, const Scene& scene, const GBuffer& gbuffer, const Light& light);
 
 /// Whether images take all of the extents that they are given, or what casters share with them.

@@ -120,6 +120,11 @@ LightProjection projection_of(const LightCamera& camera);
 ///   float stored_depth(vec2 texel)    of a texel by its whole numbers; 0 beside the image and where nothing is stored
 ///   bool faces_light_at(vec4 position, vec4 normal, vec3 v)   what faces_light says, with no constant more
 ///
+/// Of slices, there are
+///
+///   float depth_along_view(vec3 v)    from the eye, meters
+///   float light_ahead                 0; what choose_image adds to that, for a look-up in a slice that is not a point's own
+///
 /// In a warped image, across_image is for texels as large as at the pivot, and `light_stretch` is how much larger the
 /// box around one is at the point of the last call of in_image; `light_facts.y` is then of that place.
 ///
