@@ -75,24 +75,31 @@ class CascadedMap final : public ComparedMap {
     if (looks_twice())
       for (const double length : lengths_of(range, slices.ends)) slices.overlaps.push_back(blend * length);
 
-    const LightSpace space = light_space_of(light, boxes);
+    const LightSpace still = light_space_of(light, boxes);
+    const double coordinates = std::max(boxes.extent, extent(slices.eye));
+    const bool is_around_eye = needs_eye(still, coordinates, range);
+    const LightSpace space = is_around_eye ? around_eye(still, slices.eye) : still;
+    const double up = std::tan(glm::radians(double(view.fov_y_degrees)) / 2),
+                 tangent = up * std::hypot(1, double(gbuffer.width) / gbuffer.height);
     std::vector<LightExtent> seen;
-    // Of a depth that a shader computes in float32: from products and sums of coordinates as large as these.
-    const double rounding = 0x1p-20 * std::max(boxes.extent, extent(slices.eye)) + 0x1p-18 * range.far;
     if (is_stable) {
-      const double up = std::tan(glm::radians(double(view.fov_y_degrees)) / 2),
-                   tangent = up * std::hypot(1, double(gbuffer.width) / gbuffer.height);
       for (int i = 0; i < cascades; ++i) {
         const double near = i == 0 ? range.near : slices.ends[i - 1] - slices.overlap(i - 1);
-        const DepthRange slice{near, i == cascades - 1 ? range.far : slices.ends[i]};
-        seen.push_back(stable_window(space.main(), sphere_around(slices.eye, slices.axis, tangent, slice),
-                                     image_resolution() - 2 * margin));
+        const SliceSphere sphere =
+            sphere_around(slices.eye, slices.axis, tangent, {near, i == cascades - 1 ? range.far : slices.ends[i]});
+        const LightExtent window = stable_window(still.main(), sphere, image_resolution() - 2 * margin);
+        seen.push_back(is_around_eye ? less(window, still.main().seen(slices.eye)) : window);
       }
     } else {
-      seen = seen_in_slices(points, space.main(), slices, rounding);
+      // Of a depth that a shader computes in float32: from products and sums of coordinates as large as these.
+      seen = seen_in_slices(points, space.main(), slices, 0x1p-20 * coordinates + 0x1p-18 * range.far);
     }
     LightCamera camera =
         fit_to_extents(light, space, boxes, seen, image_resolution(), margin, is_stable ? FitWindow::whole : FitWindow::shared);
+    if (is_around_eye) {
+      camera.shift = view.eye;
+      camera.rounding = rounding_around_eye(camera, boxes, slices, range.far, tangent);
+    }
     camera.slices = slices;
     return camera;
   }

@@ -50,6 +50,43 @@ inline LightExtent stable_window(const LightSpaceFace& face, const SliceSphere& 
   return {low, low + inner * texel, center.z - sphere.radius, center.z + sphere.radius};
 }
 
+/// A face of parallel rays as seen from the eye, and an extent of the face seen from there. Where coordinates are thousands of
+/// times the nearest depth, float32 has no bits left for texels of near slices, unless shaders measure from the eye. Windows of
+/// stable images are placed in double, by an origin that does not move with the eye, and moved to the eye afterwards.
+inline LightSpace around_eye(const LightSpace& space, const glm::dvec3& eye) {
+  LightSpaceFace face = space.main();
+  face.origin = eye;
+  return LightSpace(face);
+}
+inline LightExtent less(const LightExtent& extent, const glm::dvec3& origin) {
+  const glm::dvec2 place(origin);
+  return {extent.low - place, extent.high - place, extent.near - origin.z, extent.far - origin.z};
+}
+inline bool needs_eye(const LightSpace& space, double extent, const DepthRange& range) {
+  return space.is_parallel() && extent > 512 * range.near;
+}
+
+/// LightCamera::rounding of a camera around the eye: what an axis distance may be off by, beside 1/128 of a texel, which biases
+/// have anyway. Points and vertices are rounded where they are, at most `reach` from the eye (three times, sqrt 3 each); the
+/// transforms round what is measured from the eye (four products and three sums, twice).
+inline double rounding_around_eye(const LightCamera& camera, const MeshBoxes& boxes, const ViewSlices& slices, double far,
+                                  double tangent) {
+  double more = 0;
+  for (std::size_t i = 0; i < camera.images.size(); ++i) {
+    const LightImage& image = camera.images[i];
+    if (image.layer < 0) continue;
+    double reach = (i < slices.ends.size() ? slices.ends[i] : far) * std::hypot(1, tangent);
+    for (const std::uint32_t m : image.casters) {
+      const MeshBox& mesh = boxes.meshes[m];
+      const glm::dvec3 low = glm::abs(glm::dvec3(mesh.bounds.min) - slices.eye),
+                       high = glm::abs(glm::dvec3(mesh.bounds.max) - slices.eye);
+      if (mesh.receives) reach = std::max(reach, glm::length(glm::max(low, high)));
+    }
+    more = std::max(more, 17 * 0x1p-24 * reach - 1 / std::min(image.scale.x, image.scale.y) / 128);
+  }
+  return 6 * 0x1p-24 * extent(slices.eye) + more;
+}
+
 /// Depths of the points; near > far where there is none.
 inline DepthRange depths_of(std::span<const glm::dvec3> points, const ViewSlices& slices) {
   DepthRange all{INFINITY, -INFINITY};

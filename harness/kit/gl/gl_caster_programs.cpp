@@ -164,8 +164,9 @@ float transmission_here() {
 )";
 
 const std::string depth_vertex = std::string(position_snippet) + R"(
+uniform vec3 shift;
 void main() {
-  gl_Position = place(vec4(position, 1));
+  gl_Position = place(vec4(position - shift, 1));
 #ifdef MASKED
   hand_on_mask();
 #endif

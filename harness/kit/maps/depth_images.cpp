@@ -129,7 +129,8 @@ std::size_t DepthImages::draw(CasterPrograms& programs, const LightCamera& camer
     glNamedFramebufferTextureLayer(framebuffer, GL_DEPTH_ATTACHMENT, target.name(), 0, image.layer);
     const float infinitely_far = 0;
     if (which != Which::moving) glClearNamedFramebufferfv(framebuffer, GL_DEPTH, 0, &infinitely_far);
-    programs.set("clip_from_world", glm::mat4(image.clip_from_world(camera.resolution)));
+    programs.set("clip_from_world", glm::mat4(image.clip_from_world(camera.resolution, camera.shift)));
+    programs.set_if_used("shift", camera.shift);
     programs.set_if_used("layer", image.layer);
     buffers.draw(all, programs, test);
     if (solid.empty()) continue;

@@ -23,7 +23,7 @@ glm::dvec2 LightImage::texel_width(const glm::dvec3& q) const {
   return (is_perspective ? q.z : 1) * glm::dvec2(d / scale.x + aside, row);
 }
 
-glm::dmat4 LightImage::clip_from_world(int resolution) const {
+glm::dmat4 LightImage::clip_from_world(int resolution, const glm::dvec3& shift) const {
   const glm::dvec2 s = 2.0 * scale / double(resolution), o = 2.0 * offset / double(resolution) - 1.0;
   // Clip space has y up and texel rows go down. `one` is what window coordinates are over, w that times the divisor.
   const glm::dvec4 one = is_perspective ? glm::dvec4(0, 0, 1, 0) : glm::dvec4(0, 0, 0, 1), up(0, 1, 0, 0);
@@ -31,7 +31,7 @@ glm::dmat4 LightImage::clip_from_world(int resolution) const {
   const glm::dvec4 x = s.x * (glm::dvec4(1, 0, 0, 0) - pivot.x * one) + o.x * w, y = -s.y * (up - pivot.y * one) - o.y * w;
   const glm::dvec4 z = is_perspective ? glm::dvec4(0, 0, 0, near) : glm::dvec4(0, 0, -1, far) / (far - near);
   glm::dmat4 turned_and_moved(light_from_world);
-  turned_and_moved[3] = glm::dvec4(-(light_from_world * origin), 1);
+  turned_and_moved[3] = glm::dvec4(-(light_from_world * (origin - shift)), 1);
   return glm::transpose(glm::dmat4(x, y, z, w)) * turned_and_moved;
 }
 

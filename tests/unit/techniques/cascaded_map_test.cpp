@@ -232,6 +232,88 @@ TEST_F(CascadedMap, stable_images_keep_their_texels_while_the_eye_slides) {
   }
 }
 
+// 10^4 m from the origin float32 has steps of 2^-10 m. Coordinates here are eighths, so that the scene itself stays the same to
+// the bit when it is moved, and only points of the picture are rounded, by up to 2^-11 m along each axis: less than a fiftieth
+// of a texel. What texels store is the same surface then, to a step of the raster (1/256 texel) along the receivers' slope.
+// Transforms of coordinates of 10^4 m would be off by 10^-3 m and more.
+TEST_F(CascadedMap, stable_images_are_the_same_ten_kilometers_away) {
+  const glm::vec3 way(1e4f, 0, -1e4f);
+  Scene here, there;
+  here.meshes = {small_world::ground(3)};
+  for (int i = 0; i < 11; ++i) {
+    const float x = -2.5f + 0.5f * static_cast<float>(i);
+    here.meshes.push_back(small_world::box({x, 0.5f, -0.375f}, {x + 0.125f, 0.625f, 0.375f}));
+  }
+  there = here;
+  for (Mesh& mesh : there.meshes)
+    for (glm::vec3& p : mesh.positions) p += way;
+  const View near{.eye = {-2.75f, 0.25f, 0.25f}, .target = {3, 0.125f, 0}};
+  const View far{.eye = near.eye + way, .target = near.target + way};
+  const GBuffer g = small_world::make_gbuffer(here, near, 96, 72), moved = small_world::make_gbuffer(there, far, 96, 72);
+  const std::string settings = "resolution=256,cascades=2,placement=stable";
+  const auto at_origin = run(settings, here, sun, g), away = run(settings, there, sun, moved);
+  const LightSpaceFace face = light_space_of(sun, mesh_boxes(here)).main();
+  std::size_t facing = 0, looked_up = 0, same = 0, stored = 0, apart = 0, different = 0;
+  int dark = 0;
+  for (std::size_t i = 0; i < g.size(); ++i) {
+    if (!faces_light(here, g, sun, i) || !faces_light(there, moved, sun, i)) continue;
+    ++facing;
+    dark += (away.mask[i] < 0.5f) - (at_origin.mask[i] < 0.5f);
+    different += at_origin.mask[i] != away.mask[i];
+    const auto a = at_origin.technique->explain(i), b = away.technique->explain(i);
+    if (a->taps.empty() || b->taps.empty()) continue;
+    ++looked_up;
+    EXPECT_NEAR(a->texel_width, b->texel_width, 1e-6) << i;
+    const Tap &ta = a->taps[0], &tb = b->taps[0];
+    const glm::dvec3 aside = tb.origin - glm::dvec3(way) - ta.origin;
+    if (std::hypot(glm::dot(aside, face.axis(0)), glm::dot(aside, face.axis(1))) > a->texel_width / 4) continue;
+    ++same;
+    apart += std::isfinite(ta.stored) != std::isfinite(tb.stored);
+    if (!std::isfinite(ta.stored) || !std::isfinite(tb.stored)) continue;
+    ++stored;
+    EXPECT_LE(glm::distance(ta.origin + ta.stored * ta.direction, tb.origin + tb.stored * tb.direction - glm::dvec3(way)), 5e-4)
+        << i;
+  }
+  EXPECT_GT(stored, facing / 2);
+  EXPECT_GE(same, looked_up * 9 / 10) << "points cross a border between texels where rounding takes them over it";
+  EXPECT_LE(apart, same / 200);
+  EXPECT_LE(std::abs(dark), static_cast<int>(facing / 100)) << "the mask has the same share of shadow";
+  EXPECT_LE(different, facing / 50);
+}
+
+// Placed in double by an origin that stays, a window is the same whatever origin it is seen from.
+TEST(cascaded_map_slices, windows_move_to_the_eye_in_double) {
+  const LightSpace still = light_space_of(sun, mesh_boxes(map_scenes::soup_over_ground(1)));
+  const glm::dvec3 eye(12345.678, 1.7, -54321.0);
+  const LightSpace around = around_eye(still, eye);
+  const glm::dvec3 point = eye + glm::dvec3(0.25, -0.5, 3);
+  const LightExtent window = stable_window(still.main(), {point, 2}, 100), moved = less(window, still.main().seen(eye));
+  const glm::dvec3 q = around.main().seen(point);
+  for (int k = 0; k < 2; ++k) {
+    EXPECT_NEAR(moved.high[k] - moved.low[k], window.high[k] - window.low[k], 1e-9);
+    EXPECT_LE(moved.low[k], q[k] - 2 + 1e-9);
+    EXPECT_GE(moved.high[k], q[k] + 2 - 1e-9);
+  }
+  EXPECT_NEAR(moved.near, q.z - 2, 1e-9);
+  EXPECT_NEAR(moved.far, q.z + 2, 1e-9);
+}
+
+// The eye's coordinates are rounded three times, and the transforms lose what 1/128 of a texel of a slice does not hold.
+TEST(cascaded_map_slices, rounding_grows_with_the_eye_and_where_texels_are_small) {
+  const ViewSlices slices{.eye = {1e4, 0, 0}, .axis = {1, 0, 0}, .ends = {10}};
+  LightCamera camera;
+  camera.images.resize(2);
+  for (int i = 0; i < 2; ++i) {
+    camera.images[i].scale = {50, 100};
+    camera.images[i].layer = i;
+  }
+  const double at_eye = 6 * 0x1p-24 * 1e4;
+  // Reaches are 10 sqrt 2 and 1000 sqrt 2 m, 1/128 texel of 1/50 m is 1.6e-4 m: 17 * 2^-24 * 1414 m is 1.4e-3 m.
+  EXPECT_NEAR(rounding_around_eye(camera, {}, slices, 1000, 1), at_eye + 17 * 0x1p-24 * 1000 * std::sqrt(2) - 0.02 / 128, 1e-9);
+  camera.images[1].scale = {1, 1};
+  EXPECT_NEAR(rounding_around_eye(camera, {}, slices, 1000, 1), at_eye, 1e-9) << "texels are a meter wide";
+}
+
 // Points have six images and no slices; what is unsupported says why.
 TEST_F(CascadedMap, lights_of_six_images_are_refused_with_the_reason) {
   const Scene scene = map_scenes::soup_over_ground(8);

@@ -221,7 +221,7 @@ class CasterPrograms {
 extern const std::string_view transmission_vertex_snippet;
 extern const std::string transmission_fragment_snippet;
 
-/// For CasterPrograms that draw depth alone; `clip_from_world` is their only uniform.
+/// For CasterPrograms that draw depth alone: of points less `shift`, zero where it is not set, by `clip_from_world`.
 extern const std::string depth_vertex, depth_fragment;
 
 /// Pixels with left <= x < right and top <= y < bottom.

@@ -45,8 +45,9 @@ struct LightImage : LightSpaceFace {
   /// leans.
   glm::dvec2 texel_width(const glm::dvec3& q) const;
   double largest_texel(const glm::dvec3& q) const { return std::max(texel_width(q).x, texel_width(q).y); }
-  /// Reversed depth: near / z, or linear; 1 at `near`, 0 at infinity or `far`. A warped image stores it over its divisor.
-  glm::dmat4 clip_from_world(int resolution) const;
+  /// Reversed depth: near / z, or linear; 1 at `near`, 0 at infinity or `far`. A warped image stores it over its divisor. Of
+  /// points less `shift`.
+  glm::dmat4 clip_from_world(int resolution, const glm::dvec3& shift = glm::dvec3(0)) const;
   /// Axis distance of a depth, in a warped image after its divisor is taken away; infinity where nothing is stored.
   double axis_distance(double depth) const;
   /// For explanations: the ray through a place, in texels, and a surface stored there at axis distance z.
@@ -115,6 +116,8 @@ struct LightCamera {
   int resolution = 0, layer_count = 0;
   double rounding = 0;  ///< float32 error of an axis distance that a shader computes, meters
   ViewSlices slices{};
+  /// What is subtracted from vertices before they are transformed, which float32 does exactly near it; zero changes no bit.
+  glm::vec3 shift{0};
 
   /// Images of equal cameras are drawn alike.
   bool operator==(const LightCamera&) const = default;
