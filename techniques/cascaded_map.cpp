@@ -28,7 +28,7 @@ constexpr About about{
         "what is seen)",
     .error =
         "As a shadow map's, with texels that grow with the distance from the eye: stair steps of about the same width in the "
-        "picture. Jumps of the texels' width where slices meet. "
+        "picture. Jumps of the texels' width where slices meet, which blend makes ramps. "
         "Holes are those of the mask with alpha=texel alone: mips and mips_kept filter alpha, and hashed is random "
         "where alpha is neither 0 nor 1. A texel holds no product: glass is taken for opaque or left out.",
     .fails =

@@ -15,9 +15,9 @@ Blend blend_at(vec4 surface) {
   float depth = depth_along_view(surface.xyz - light_origin);
   bool is_second = depth > light_ends.x, is_third = depth > light_ends.y, is_fourth = depth > light_ends.z;
   float end = is_third ? light_ends.z : is_second ? light_ends.y : light_ends.x;
-  float overlap = is_fourth ? 0 : is_third ? overlaps.z : is_second ? overlaps.y : overlaps.x;
-  float share = overlap > 0 ? clamp((depth - end) / overlap + 1, 0, 1) : 0;
-  return Blend(share, share > 0 ? end - depth + 0.25 * overlap : 0);
+  float overlap = is_fourth ? 0.0 : is_third ? overlaps.z : is_second ? overlaps.y : overlaps.x;
+  float share = overlap > 0 ? clamp((depth - end) / overlap + 1, 0, 1) : 0.0;
+  return Blend(share, share > 0 ? end - depth + 0.25 * overlap : 0.0);
 }
 ComparedPoint asked_again(vec4 surface, vec4 facet) {
   light_ahead = blend_at(surface).ahead;
