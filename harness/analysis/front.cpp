@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "analysis/in_order.h"
+#include "analysis/missing_places.h"
 
 namespace gnomon {
 
@@ -105,33 +105,6 @@ Candidate mean_of(const std::vector<const Record*>& rows, const FieldOptions& op
   return candidate;
 }
 
-/// "fails: failed, it crashed": a setting that has no value at a place, and why.
-std::string why_missing(std::span<const Record> records, const Record& setting, const Place& place) {
-  const auto is_there = [&](const Record& r) { return setting_key(r) == setting_key(setting) && place_of(r) == place; };
-  const auto found = std::ranges::find_if(records, is_there);
-  if (found == records.end()) return fmt::format("{}: not in the run", setting_name(setting));
-  if (found->status == Status::ok) return fmt::format("{}: not defined", setting_name(setting));
-  return fmt::format("{}: {}{}", setting_name(setting), name(found->status), found->reason.empty() ? "" : ", " + found->reason);
-}
-
-/// A line for each place that a field leaves out, the first few of many, with a setting that lacks it.
-void note_missing_places(Field& field, std::span<const Record> records, const RowsBySetting& settings,
-                         const std::vector<Place>& all, const std::set<Place>& common) {
-  constexpr std::size_t most = 6;
-  std::size_t missing = 0;
-  for (const Place& place : all) {
-    if (common.contains(place)) continue;
-    if (++missing > most) continue;
-    std::size_t others = 0;
-    std::string why;
-    for (const auto& [key, rows] : settings)
-      if (!rows.contains(place) && others++ == 0) why = why_missing(records, *rows.begin()->second, place);
-    if (others > 1) why += fmt::format(", and {} more setting{}", others - 1, others == 2 ? "" : "s");
-    field.notes.push_back(fmt::format("not among the {} places: {} ({})", common.size(), title(place, all), why));
-  }
-  if (missing > most) field.notes.push_back(fmt::format("and {} more places", missing - most));
-}
-
 /// The field over all places of a kind of light, from the rows of each setting in order of appearance.
 Field overall(std::span<const Record> records, RowsBySetting settings, const FieldOptions& options, AnswerKind answer) {
   Field field{.place = {}, .answer = answer, .candidates = {}, .notes = {}};
@@ -150,7 +123,8 @@ Field overall(std::span<const Record> records, RowsBySetting settings, const Fie
     for (const auto& [place, row] : rows) add_once(all, place);
   field.places = common.size();
   field.all_places = all.size();
-  note_missing_places(field, records, settings, all, common);
+  for (std::string& line : missing_places(records, settings, all, fmt::format("not among the {} places", common.size())))
+    field.notes.push_back(std::move(line));
   for (const auto& [key, rows] : settings) {
     std::vector<const Record*> compared;
     for (const auto& [place, row] : rows)

@@ -17,6 +17,7 @@ const std::map<std::string, std::vector<std::string>> taken_options{
     {"growth", {"--x", "--error"}},
     {"front", {"--error", "--cost", "--all"}},
     {"best", {"--error", "--cost", "--times", "--memories", "--errors"}},
+    {"rank", {"--error", "--cost", "--all-pairs"}},
     {"map", {"--x", "--y", "--facet", "--error"}},
     {"motion", {"--error"}},
     {"sweep", {"--x", "--error"}},
@@ -88,6 +89,7 @@ std::string take_kind(Options& options, const Command& command, const std::strin
   if (options.words.empty()) throw Error("{} takes a run's folder and a kind; kinds are: {}", name, joined(kinds, ", "));
   require_taken(command, kind, kinds);
   options.analysis.cost = cost_named(options.cost);
+  if (command.is_given("--cost")) options.analysis.only_cost = options.analysis.cost;
   if (command.is_given("--error")) options.analysis.growing = options.analysis.metric;
   return kind;
 }
@@ -147,18 +149,19 @@ void make_figure(PictureOptions& options, const Command& command) {
 }  // namespace
 
 void add_analyze(Program& program) {
-  auto [command, options] =
-      program.line.command<AnalyzeOptions>("analyze",
-                                           "What a run says of growth, fronts, budgets, parameters, motion and seams: DIR... "
-                                           "growth|front|best|map|motion|sweep|seams",
-                                           print_analysis);
-  add_shared_options(command, "growth, front, best, map, motion, sweep or seams", options);
+  auto [command, options] = program.line.command<AnalyzeOptions>(
+      "analyze",
+      "What a run says of growth, fronts, budgets, pairs, parameters, motion and seams: DIR... "
+      "growth|front|best|rank|map|motion|sweep|seams",
+      print_analysis);
+  add_shared_options(command, "growth, front, best, rank, map, motion, sweep or seams", options);
   command.option("--format", &options.format, "terminal, md, csv, tex or json");
   command.option("--times", &options.analysis.times, "best: budgets in ms", {.check = above_zero(), .delimiter = ','});
   command.option("--memories", &options.analysis.memories, "best: budgets in MiB", {.check = above_zero(), .delimiter = ','});
   command.option("--errors", &options.analysis.errors, "best: budgets in the unit that tables show",
                  {.check = above_zero(), .delimiter = ','});
   command.flag("--all", &options.analysis.all, "front: beaten settings too");
+  command.flag("--all-pairs", &options.analysis.all_pairs, "rank: every pair, not only the best against each");
   command.option("--caption", &options.table.caption, "Caption of the LaTeX table");
 }
 

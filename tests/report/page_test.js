@@ -34,7 +34,7 @@ test("loads without requests, messages or errors and shows every row", async () 
     await shownRows(page),
     rows.map((_, index) => index),
   );
-  for (const id of ["plots", "pictures", "about"]) {
+  for (const id of ["plots", "ranks", "pictures", "about"]) {
     await page.locator(`#${id}`).scrollIntoViewIfNeeded();
     await settled(page);
   }
@@ -47,7 +47,7 @@ test("readable in light and dark, for people and for machines that read to them"
   const shade = {};
   for (const colorScheme of ["light", "dark"]) {
     const page = await open(report, { colorScheme });
-    for (const id of ["plots", "pictures", "about"]) {
+    for (const id of ["plots", "ranks", "pictures", "about"]) {
       await page.locator(`#${id}`).scrollIntoViewIfNeeded();
       await settled(page);
     }
@@ -73,7 +73,7 @@ test("on a phone nothing hangs over the side", async () => {
     hasTouch: true,
     isMobile: true,
   });
-  for (const id of ["table", "plots", "pictures", "about"]) {
+  for (const id of ["table", "plots", "ranks", "pictures", "about"]) {
     await page.locator(`#${id}`).scrollIntoViewIfNeeded();
     await settled(page);
     assert.equal(await page.evaluate(() => document.documentElement.scrollWidth), 360, id);
@@ -89,7 +89,7 @@ test("on paper: light, whole tables, nothing to click", async () => {
   assert.equal(await page.evaluate(() => getComputedStyle(document.body).backgroundColor), "rgb(255, 255, 255)");
   for (const selector of ["nav", ".filters", ".columns"])
     assert.ok(!(await page.locator(selector).first().isVisible()), selector);
-  assert.equal(await page.locator(".scroll").evaluate((box) => getComputedStyle(box).overflow), "visible");
+  assert.equal(await page.locator("#table .scroll").evaluate((box) => getComputedStyle(box).overflow), "visible");
   const paper = await page.pdf({ path: saved("paper.pdf"), preferCSSPageSize: true });
   assert.ok(paper.length > 10000);
   await page.context().close();
@@ -115,6 +115,33 @@ test("text of records stays text", async () => {
   assert.equal(await page.locator("tbody .id").first().textContent(), evil);
   assert.deepEqual(page.troubles, []);
   await page.context().close();
+});
+
+test("contenders are compared in pairs, and that three places are too few is said", async () => {
+  const page = await open(report);
+  const { ranks } = await dataOf(page);
+  const section = page.locator("#ranks");
+  assert.equal(
+    await section.locator("tbody tr").count(),
+    ranks.groups.reduce((sum, group) => sum + 1 + group.rows.length, 0),
+  );
+  assert.deepEqual(
+    await section.locator("thead th").allTextContents(),
+    ranks.columns.map((column) => column.heading),
+  );
+  const text = await section.textContent();
+  assert.match(text, /by error/);
+  assert.match(text, /too few places, \d+ needed/);
+  assert.match(text, /left out of pairs: fence, point, path camera_slide/);
+  await page.context().close();
+
+  const dir = changedRun("alone", (record) => ({ ...record, role: "baseline" }));
+  gnomon(["report", dir, "--no-pictures"]);
+  const other = await open(join(dir, "report.html"));
+  assert.equal(await other.locator("#ranks").count(), 0);
+  assert.equal(await other.locator('nav a[href="#ranks"]').count(), 0);
+  assert.deepEqual(other.troubles, []);
+  await other.context().close();
 });
 
 test("pictures of another scene than the one measured are left out, and the page says so", async () => {

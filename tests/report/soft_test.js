@@ -18,7 +18,7 @@ after(closeBrowser);
 test("the table has an error with its floor beside it, and what soft shadows alone have", async () => {
   const page = await open(report);
   const data = await dataOf(page);
-  const headings = await page.locator("thead th").evaluateAll((cells) => cells.map((cell) => cell.dataset.column));
+  const headings = await page.locator("#table thead th").evaluateAll((cells) => cells.map((cell) => cell.dataset.column));
   const error = headings.indexOf("error");
   assert.ok(error > 0, String(headings));
   assert.deepEqual(headings.slice(error, error + 3), ["error", "error_floor", "snapping_floor"]);

@@ -21,6 +21,14 @@ static double quantile_in_place(std::span<double> values, double q) {
   return below + (place - std::floor(place)) * (above - below);
 }
 
+/// The indices of the values, that of the least first.
+static std::vector<std::size_t> rising(std::span<const double> values) {
+  std::vector<std::size_t> order(values.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return values[a] < values[b]; });
+  return order;
+}
+
 double quantile(std::span<const double> values, double q) {
   std::vector<double> copy(values.begin(), values.end());
   return quantile_in_place(copy, q);
@@ -61,15 +69,26 @@ std::optional<Estimate> bootstrap(const ProcessTimes& times) {
 }
 
 std::vector<double> false_discovery_rates(std::span<const double> p_values) {
-  std::vector<std::size_t> order(p_values.size());
-  std::iota(order.begin(), order.end(), 0);
-  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return p_values[a] < p_values[b]; });
+  const std::vector<std::size_t> order = rising(p_values);
   std::vector<double> rates(p_values.size());
   // From the largest p down: the rank-th smallest would be called at p * count / rank, or with any larger one.
   double least = 1;
   for (std::size_t rank = order.size(); rank > 0; --rank) {
     least = std::min(least, p_values[order[rank - 1]] * static_cast<double>(order.size()) / static_cast<double>(rank));
     rates[order[rank - 1]] = least;
+  }
+  return rates;
+}
+
+std::vector<double> family_rates(std::span<const double> p_values, std::size_t tests) {
+  assert(tests >= p_values.size());
+  const std::vector<std::size_t> order = rising(p_values);
+  std::vector<double> rates(p_values.size());
+  // From the smallest p up: each is called among those that are left, and only after all smaller ones.
+  double most = 0;
+  for (std::size_t rank = 0; rank < order.size(); ++rank) {
+    most = std::max(most, std::min(1.0, p_values[order[rank]] * static_cast<double>(tests - rank)));
+    rates[order[rank]] = most;
   }
   return rates;
 }

@@ -39,4 +39,8 @@ std::optional<Estimate> bootstrap(const ProcessTimes& times);
 /// order. Whoever calls all that are at most q is wrong in at most a share q of the calls, on average.
 std::vector<double> false_discovery_rates(std::span<const double> p_values);
 
+/// Holm 1979: the least chance of any false call at all at which each of these p-values would be called, in their order. They
+/// may be some of `tests` that were made; the others are taken to have larger ones.
+std::vector<double> family_rates(std::span<const double> p_values, std::size_t tests);
+
 }  // namespace gnomon

@@ -11,9 +11,9 @@ struct Kind {
   analysis::Tables (*tables)(std::span<const Record>, const AnalysisOptions&, Format);
 };
 constexpr Kind kinds[] = {{"growth", analysis::growth_tables}, {"front", analysis::front_tables},
-                          {"best", analysis::best_tables},     {"map", analysis::map_tables},
-                          {"motion", analysis::motion_tables}, {"sweep", analysis::sweep_tables},
-                          {"seams", analysis::seams_tables}};
+                          {"best", analysis::best_tables},     {"rank", analysis::rank_tables},
+                          {"map", analysis::map_tables},       {"motion", analysis::motion_tables},
+                          {"sweep", analysis::sweep_tables},   {"seams", analysis::seams_tables}};
 
 }  // namespace
 

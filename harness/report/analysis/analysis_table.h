@@ -14,6 +14,8 @@ struct AnalysisOptions {
   std::string metric = "error";            ///< a quantity, see analysis.h
   std::string growing = {};                ///< growth: a quantity; times by default
   Cost cost = Cost::light;
+  std::optional<Cost> only_cost = {};  ///< rank: by default each
+  bool all_pairs = false;              ///< rank: by default the best against each
   /// Budgets of `best` in the units that tables show: ms, MiB, and % or the metric's unit. All empty: round numbers.
   std::vector<double> times = {}, memories = {}, errors = {};
   bool all = false;  ///< people too see rows that are beaten

@@ -2,6 +2,7 @@
 #include <optional>
 
 #include "analysis/in_order.h"
+#include "analysis/rank.h"
 #include "report/analysis/analysis_table.h"
 #include "report/table/layout.h"
 
@@ -43,6 +44,10 @@ void add_groups(Layout& table, const std::vector<T>& items, auto place, auto cel
   }
 }
 
+/// Pairs of contenders, a group for each kind of light and quantity; no group where there is nothing to compare. The report's
+/// page shows it, too.
+Layout rank_table(std::span<const Record> records, const RankOptions& options);
+
 inline constexpr const char* interval_note = "interval: 95 %, hierarchical bootstrap over processes";
 
 // One per kind. People get several tables of maps and sweeps: a map or a list of x each.
@@ -50,6 +55,7 @@ using Tables = std::vector<Layout>;
 Tables growth_tables(std::span<const Record> records, const AnalysisOptions& options, Format format);
 Tables front_tables(std::span<const Record> records, const AnalysisOptions& options, Format format);
 Tables best_tables(std::span<const Record> records, const AnalysisOptions& options, Format format);
+Tables rank_tables(std::span<const Record> records, const AnalysisOptions& options, Format format);
 Tables map_tables(std::span<const Record> records, const AnalysisOptions& options, Format format);
 Tables motion_tables(std::span<const Record> records, const AnalysisOptions& options, Format format);
 Tables sweep_tables(std::span<const Record> records, const AnalysisOptions& options, Format format);

@@ -11,6 +11,7 @@
 #include "measure/score/error_picture.h"
 #include "measure/score/metrics.h"
 #include "measure/score/record_causes.h"
+#include "report/analysis/analysis_table_parts.h"
 #include "report/html/html_parts.h"
 
 namespace gnomon {
@@ -107,6 +108,30 @@ Json row_json(const Layout& layout, const Layout::Row& row, std::size_t group, c
   return json;
 }
 
+/// The best contender by error against each, as people read it; null where there are no two to compare.
+Json rank_json(std::span<const Record> records) {
+  const auto has_error = [](const Record& r) { return quantity(r, "error").has_value(); };
+  if (std::ranges::none_of(records, has_error)) return {};
+  const Layout table = analysis::rank_table(records, {});
+  if (table.groups.empty()) return {};
+  const auto is_shown = [&](std::size_t k) { return table.columns[k].audience != Audience::programs; };
+  Json json = {{"title", table.title}, {"notes", table.notes}};
+  for (std::size_t k = 0; k < table.columns.size(); ++k)
+    if (is_shown(k))
+      json["columns"].push_back(
+          {{"heading", table.columns[k].heading}, {"is_left", table.columns[k].alignment == Align::left}});
+  for (const Layout::Group& group : table.groups) {
+    Json rows = Json::array();
+    for (const Layout::Row& row : group.rows) {
+      Json& texts = rows.emplace_back(Json::array());
+      for (std::size_t k = 0; k < row.cells.size(); ++k)
+        if (is_shown(k)) texts.push_back(shown(table.columns[k], row.cells[k]));
+    }
+    json["groups"].push_back({{"heading", group.heading}, {"rows", std::move(rows)}});
+  }
+  return json;
+}
+
 /// The text with each of these characters replaced by another text.
 std::string replaced(std::string_view text, std::initializer_list<std::pair<char, std::string_view>> replacements) {
   std::string result;
@@ -161,6 +186,7 @@ Json report_data(const Layout& layout, std::span<const Record> records) {
   const auto ink = [](const ContourInk& ink) { return Json{{"core", ink.core}, {"casing", ink.casing}}; };
   data["contours"] = {
       {"levels", levels}, {"reference", ink(reference_ink)}, {"techniques", {ink(technique_inks[0]), ink(technique_inks[1])}}};
+  data["ranks"] = rank_json(records);
   data["legend"] = legend(layout, {"best", "floor", "flag"});
   data["provenance"] = provenance(records);
   for (const MetricInfo& info : metric_infos())

@@ -6,6 +6,7 @@ import { data, distinct, isOk, joined } from "./data.js";
 import { h, list, plural } from "./dom.js";
 import { showPlayer } from "./player.js";
 import { showPlots } from "./plots.js";
+import { showRanks } from "./ranks.js";
 import { showTable } from "./table.js";
 
 function showTop(header) {
@@ -40,6 +41,7 @@ showTable(document.getElementById("table"), (row) => {
   pictures.scrollIntoView({ behavior: matchMedia("(prefers-reduced-motion: reduce)").matches ? "auto" : "smooth" });
 });
 showPlots(document.getElementById("plots"));
+showRanks(document.getElementById("ranks"));
 showAbout(document.getElementById("about"));
 
 // On paper nobody can open what is closed.
