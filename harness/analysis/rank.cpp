@@ -42,7 +42,8 @@ std::optional<double> value_of(const Record& record, std::optional<Cost> cost, c
   return sample.is_timed() ? std::optional(std::max(sample.value(), least_time)) : std::nullopt;
 }
 
-std::vector<Numbers> numbers_of(const std::vector<Competitor>& competitors, std::optional<Cost> cost, const std::string& error) {
+std::vector<Numbers> numbers_of(const std::vector<Competitor>& competitors, std::optional<Cost> cost,
+                                const std::string& error) {
   std::vector<Numbers> all;
   for (const Competitor& competitor : competitors) {
     Numbers& values = all.emplace_back();

@@ -115,6 +115,8 @@ class Analyze(ProgramTest):
         self.refuse("analyze", run, "best", "--cost", "bytes", says=["--cost bytes", "--memories"])
         self.refuse("analyze", run, "map", "--x", "a", "--y", "a", says=["--x and --y are both a"])
         self.refuse("figure", run, "growth", "--cost", "light", "--script", says=["--cost is for front and stages; growth"])
+        self.refuse("analyze", run, "front", "--all-pairs", says=["--all-pairs is for rank; front does not take it"])
+        self.refuse("analyze", run, "rank", "--all", says=["--all is for front; rank does not take it"])
         self.refuse("analyze", run, "sweep", "--x", "a", "--y", "b", says=["--y is for map; sweep does not take it"])
 
     def test_seams_show_where_the_error_lies(self):
@@ -142,10 +144,13 @@ class Analyze(ProgramTest):
 
     def test_what_cannot_be_ranked_is_refused(self):
         run = self.run_of(record(metrics={"shape": {"wrong_rate": 0.1, "penumbra_shift": 1}}))
-        for kind in ("front", "best"):
+        for kind in ("front", "best", "rank"):
             self.refuse("analyze", run, kind, "--error", "penumbra_shift", says=["penumbra_shift has no better side"])
         only = self.run_of(record(role="reference"), name="only")
         self.refuse("analyze", only, "front", says=["nothing to rank", "no contender"])
+        self.refuse("analyze", only, "rank", says=["nothing to rank", "no two contenders finished with a error"])
+        both = self.run_of(record("one"), record("other"), name="both")
+        self.refuse("analyze", both, "rank", "--cost", "motion", says=["nothing to rank by motion", "no two contenders"])
 
     def test_front_of_a_run_made_by_hand(self):
         run = self.run_of(record("fast", cost=1, wrong=0.3), record("slow", cost=4, wrong=0.1),
@@ -159,6 +164,27 @@ class Analyze(ProgramTest):
         self.assertRegex(self.succeed("analyze", run, "front", "--all"), r"(?m)^bad +20\.0 +10\.0 .*beaten \(slow\)")
         memory = {row["setting"]: row["standing"] for row in self.rows(run, "front", "--cost", "bytes")}
         self.assertEqual(memory, {"fast": "beaten", "slow": "front", "bad": "beaten", "truth": "aside"})
+
+    def test_ranks_of_a_run_made_by_hand(self):
+        scenes = [f"soup:count={n}" for n in range(1, 9)]
+        run = self.run_of(*(record(name, scene, cost=cost, wrong=wrong) for scene in scenes
+                            for name, cost, wrong in (("map", 1, 0.1), ("rays", 4, 0.05))),
+                          record("gone", scenes[0], status="failed", reason="it crashed", stages={}, metrics={}, bytes=None),
+                          record("gone", scenes[1], cost=2, wrong=0.2), record("truth", scenes[0], wrong=0, role="reference"))
+        rows = self.rows(run, "rank", "--cost", "light")
+        found = [(row["quantity"], row["setting"], row["against"], row["places"], row["left_out"], row["verdict"]) for row in rows]
+        self.assertEqual(found, [("error", "rays", "map", "8", "0", "better"), ("error", "rays", "gone", "1", "7", "too few places"),
+                                 ("light", "rays", "map", "8", "0", "worse"), ("light", "rays", "gone", "1", "7", "too few places")])
+        self.assertAlmostEqual(float(rows[0]["ratio"]), 0.5)
+        self.assertAlmostEqual(float(rows[2]["ratio"]), 4)
+        self.assertEqual((rows[0]["p"], rows[0]["p_holm"], rows[0]["tests"], rows[0]["needed_places"]), ("0.0078125", "0.0234375", "3", "7"))
+        self.assertEqual(len(rows[1]["left_out_places"].split("; ")), 7)
+        text = self.succeed("analyze", run, "rank")
+        self.assertRegex(text, r"(?m)^rays +map +0\.50 +0\.50 \.\. 0\.50 +0\.023 +8 +8 +0 +better$")
+        self.assertIn("left out of pairs: soup:count=1, point (gone: failed, it crashed)\n", text)
+        self.assertIn("by memory", text)
+        pairs = [(row["setting"], row["against"]) for row in self.rows(run, "rank", "--cost", "bytes", "--all-pairs")]
+        self.assertEqual(pairs, 2 * [("rays", "map"), ("rays", "gone"), ("map", "gone")])
 
     def test_the_cost_of_motion_is_of_rows_whose_geometry_moves(self):
         def moving(update, wrong):
@@ -280,7 +306,7 @@ class Analyze(ProgramTest):
         self.refuse("analyze", run, "motion", says=["no row of these records follows a path"])
         self.refuse("analyze", run, "front", "--filter", "no such row", says=["holds no record that matches no such row"])
         self.refuse("analyze", run, "front", "--filter", "(", says=["--filter ( is not a regular expression"])
-        self.refuse("analyze", "front", says=["a run's folder and a kind", "growth, front, best, map, motion, sweep, seams"])
+        self.refuse("analyze", "front", says=["a run's folder and a kind", "growth, front, best, rank, map, motion, sweep, seams"])
         self.refuse("analyze", "nowhere", "front", says=["nowhere"])
 
     def test_the_shipped_run_has_a_front_over_all_its_scenes(self):
@@ -297,7 +323,7 @@ class Analyze(ProgramTest):
         self.assertEqual([row["points"] for row in growth], ["3", "3"])
         best = [row["parameter.resolution"] for row in self.rows("out", "map") if row["best"] == "true"]
         self.assertEqual(best, ["1024"])
-        for kind in ("growth", "front", "best", "map"):
+        for kind in ("growth", "front", "best", "rank", "map"):
             for form in ("terminal", "md", "tex", "json"):
                 self.assertTrue(self.succeed("analyze", "out", kind, "--format", form))
         sweep = self.rows("out", "sweep", "--x", "count", "--error", "shadow_area_ratio")

@@ -174,6 +174,7 @@ Outcome read_records_of_run(const fs::path& file, const std::string& bytes) {
                                                              {"table", "--format", "md"},
                                                              {"analyze", "front"},
                                                              {"analyze", "best", "--times", "1,10"},
+                                                             {"analyze", "rank"},
                                                              {"analyze", "map"},
                                                              {"analyze", "growth"},
                                                              {"analyze", "sweep"},

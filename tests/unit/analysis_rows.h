@@ -1,6 +1,9 @@
 #pragma once
+#include <gnomon/kit/random.h>
+
 #include <cmath>
 #include <initializer_list>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -11,6 +14,12 @@ namespace analysis_rows {
 using namespace gnomon;
 
 inline bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+/// Box and Muller 1958.
+inline double normal(Random& random) {
+  const double radius = std::sqrt(-2 * std::log(1 - random.uniform(0, 1))), turn = 2 * std::numbers::pi * random.uniform(0, 1);
+  return radius * std::cos(turn);
+}
 
 /// One place, three processes of one repetition each.
 inline Record row(const std::string& setting, double relight, double resolve, double wrong_rate,

@@ -1,21 +1,16 @@
 #include "analysis/told_apart.h"
 
-#include <gnomon/kit/random.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
+
+#include "analysis_rows.h"
 
 namespace told_apart_test {
 
 using namespace gnomon;
-
-/// Box and Muller 1958.
-double normal(Random& random) {
-  const double radius = std::sqrt(-2 * std::log(1 - random.uniform(0, 1))), turn = 2 * std::numbers::pi * random.uniform(0, 1);
-  return radius * std::cos(turn);
-}
+using analysis_rows::normal;
 
 /// Processes whose logarithms spread by `spread` about `middle` milliseconds, three repetitions each that spread by a tenth of
 /// it.

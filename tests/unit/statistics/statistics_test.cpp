@@ -190,6 +190,14 @@ TEST(false_discovery, rates_are_those_of_benjamini_and_hochberg) {
   EXPECT_EQ(false_discovery_rates(std::vector(1000, 0.25)), std::vector(1000, 0.25));
 }
 
+TEST(family_rates, are_those_of_holm) {
+  // The least of three counts thrice, the next twice; the last would be called at 0.25, but not before the one below it.
+  EXPECT_EQ(family_rates(std::vector{0.125, 0.25, 0.1875}, 3), (std::vector{0.375, 0.375, 0.375}));
+  EXPECT_EQ(family_rates(std::vector{0.5, 0.0625}, 2), (std::vector{0.5, 0.125}));
+  EXPECT_EQ(family_rates(std::vector{0.5, 0.0625}, 8), (std::vector{1.0, 0.5}));  // two of eight
+  EXPECT_TRUE(family_rates({}, 0).empty());
+}
+
 RC_GTEST_PROP(false_discovery, rates_lie_between_p_and_bonferroni_and_keep_their_order, ()) {
   const auto p =
       *rc::gen::container<std::vector<double>>(rc::gen::map(rc::gen::inRange(0, 1001), [](int i) { return i / 1e3; }));
