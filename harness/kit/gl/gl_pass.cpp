@@ -14,6 +14,29 @@ std::string_view trimmed(std::string_view text) {
   return first == std::string_view::npos ? "" : text.substr(first, text.find_last_not_of(blanks) - first + 1);
 }
 
+/// What lies between commas, trimmed.
+std::vector<std::string_view> parts_of(std::string_view list) {
+  std::vector<std::string_view> parts;
+  for (std::size_t comma = list.find(','); comma != std::string_view::npos; comma = list.find(',')) {
+    parts.push_back(trimmed(list.substr(0, comma)));
+    list.remove_prefix(comma + 1);
+  }
+  parts.push_back(trimmed(list));
+  return parts;
+}
+
+[[noreturn]] void refuse(std::string_view declaration) {
+  throw Error("constants of a pass: \"{}\" is no declaration like \"vec4 window[6], place;\"", declaration);
+}
+
+/// Of a constant as it is declared: "window" of "window[6]". Throws Error that quotes the declaration where that is no name.
+std::string_view name_of(std::string_view constant, std::string_view declaration) {
+  constexpr std::string_view signs = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_";
+  const std::string_view name = trimmed(constant.substr(0, constant.find('[')));
+  if (name.empty() || name.find_first_not_of(signs) != std::string_view::npos) refuse(declaration);
+  return name;
+}
+
 /// Not destroyed at exit: the context may be gone by then.
 VertexArray& no_attributes() {
   static VertexArray* const array = new VertexArray;
@@ -89,16 +112,17 @@ PassConstants::PassConstants(std::string_view declarations) {
     const std::size_t end = rest.find(';');
     const std::string_view one = trimmed(rest.substr(0, end));
     const std::size_t space = one.find_first_of(blanks);
-    if (end == std::string_view::npos || space == std::string_view::npos)
-      throw Error("constants of a pass: \"{}\" is no declaration like \"vec4 window[6];\"", one);
+    if (end == std::string_view::npos || space == std::string_view::npos) refuse(one);
     rest.remove_prefix(end + 1);
-    const std::string_view type = one.substr(0, space), name = trimmed(one.substr(space));
-    const std::string_view alone = trimmed(name.substr(0, name.find('[')));
-    vertex += fmt::format("uniform {0} {1};\nflat out {0} flat_{1};\n", type, name);
-    fragment += fmt::format("flat in {} flat_{};\n", type, name);
-    compute += fmt::format("uniform {0} {1};\n{0} flat_{1};\n", type, name);
-    copies += fmt::format("  flat_{0} = {0};\n", alone);
-    names += fmt::format("#define {0} flat_{0}\n", alone);
+    const std::string_view type = one.substr(0, space);
+    for (const std::string_view constant : parts_of(one.substr(space))) {
+      const std::string_view name = name_of(constant, one);
+      vertex += fmt::format("uniform {0} {1};\nflat out {0} flat_{1};\n", type, constant);
+      fragment += fmt::format("flat in {} flat_{};\n", type, constant);
+      compute += fmt::format("uniform {0} {1};\n{0} flat_{1};\n", type, constant);
+      copies += fmt::format("  flat_{0} = {0};\n", name);
+      names += fmt::format("#define {0} flat_{0}\n", name);
+    }
   }
   const std::string hand_on = "void hand_on() {\n" + copies + "}\n";
   vertex += hand_on;

@@ -29,12 +29,17 @@ std::vector<float> drawn(const Program& program, int width, int height, const Dr
   return {pixels.begin(), pixels.end()};
 }
 
-// Each kind of constant reaches the fragments, arrays and matrices too; 1 + 2 + 3 * 4 + 5 + 6 + 7 * 8 = 82.
+// Each kind of constant reaches the fragments, arrays and matrices and several of one type too;
+// 1 + 2 + 3 * 4 + 5 + 6 + 7 * 8 + 100 + 200 = 382.
 TEST_F(GlPass, constants_of_every_kind_reach_the_fragments) {
-  const Program program = pass_program("constants", " float a;int b;\nvec3 c; vec4 d[2]; mat3 e ;uint f;", R"(
+  const Program program = pass_program("constants", " float a , g;int b;\nvec3 c; vec4 h,d[2]; mat3 e ;uint f;", R"(
 layout(location = 0) out float sum;
-void main() { sum = a + float(b) + c.y * c.z + d[0].w + d[1].x + e[2].x * e[0].z + float(f); })");
+void main() {
+  sum = a + float(b) + c.y * c.z + d[0].w + d[1].x + e[2].x * e[0].z + float(f) + g + h.y;
+})");
   program.set("a", 1.0f);
+  program.set("g", 100.0f);
+  program.set("h", glm::vec4(0, 200, 0, 0));
   program.set("b", 2);
   program.set("c", glm::vec3(0, 3, 4));
   const glm::vec4 d[] = {{0, 0, 0, 5}, {6, 0, 0, 0}};
@@ -49,11 +54,11 @@ void main() { sum = a + float(b) + c.y * c.z + d[0].w + d[1].x + e[2].x * e[0].z
     glViewport(0, 0, 5, 3);
     draw_full_screen();
   });
-  EXPECT_EQ(pixels, std::vector<float>(15, 82.0f));
+  EXPECT_EQ(pixels, std::vector<float>(15, 382.0f));
 }
 
 TEST_F(GlPass, what_is_no_declaration_is_an_error_that_quotes_it) {
-  for (const std::string wrong : {"vec3;", "vec3 a", "vec3 a; b"}) {
+  for (const std::string wrong : {"vec3;", "vec3 a", "vec3 a; b", "vec3 a,;", "vec3 a b;", "float a = 1;"}) {
     try {
       const PassConstants constants(wrong);
       ADD_FAILURE() << wrong;

@@ -13,11 +13,11 @@ namespace gnomon {
 //
 // Names that begin with gbuffer_, light_ or flat_ are the kit's.
 
-/// What all fragments of a pass read alike, declared as in GLSL: "vec3 origin; vec4 window[6];". Under llvmpipe every pixel
-/// pays some six cycles for each float of a uniform, and nothing for what the corners of its triangle hand on flat: a matrix
-/// takes half as long as the whole rest of a pass. So constants are uniforms of the vertex shader, set by name as ever, and
-/// fragments see them under the same names as flat inputs. OpenGL promises room for fifteen vec4, a vec3 or a row of a matrix
-/// counted as one.
+/// What all fragments of a pass read alike, declared as in GLSL: "vec3 origin, axis; vec4 window[6];". Under llvmpipe every
+/// pixel pays some six cycles for each float of a uniform, and nothing for what the corners of its triangle hand on flat: a
+/// matrix takes half as long as the whole rest of a pass. So constants are uniforms of the vertex shader, set by name as ever,
+/// and fragments see them under the same names as flat inputs. OpenGL promises room for fifteen vec4, a vec3 or a row of a
+/// matrix counted as one.
 struct PassConstants {
   std::string vertex;    ///< declares the uniforms, and `void hand_on()`, which the vertex shader calls
   std::string fragment;  ///< declares what fragments read
