@@ -42,7 +42,7 @@ int check(const CheckOptions& options, const Program& program) {
       const auto start = std::chrono::steady_clock::now();
       conformance::Verdict verdict = conformance::judge_in_child(*rule, entry, worker_options(program, 0), options.timeout);
       has_failed = has_failed || verdict.kind == conformance::Verdict::Kind::fails;
-      judged.push_back({*rule, std::move(verdict), seconds_since(start)});
+      judged.push_back({*rule, std::move(verdict), advice_for(*rule, entry), seconds_since(start)});
       progress.advance(1);
     }
   }

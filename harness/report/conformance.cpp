@@ -45,7 +45,7 @@ std::string failure_text(const Judged& judged, std::size_t width) {
   }
   if (judged.verdict.finding_count > most_shown)
     text += fmt::format("         and {} more\n", judged.verdict.finding_count - most_shown);
-  return text + paragraph("  do:    ", judged.rule.advice, width);
+  return text + paragraph("  do:    ", judged.advice, width);
 }
 
 }  // namespace
@@ -67,7 +67,7 @@ Json check_json(const std::string& technique, std::span<const Judged> judged) {
     Json rule = json_object({{"name", j.rule.name}});
     rule.update(verdict_json(j.verdict));
     rule["sentence"] = j.rule.sentence;
-    rule["advice"] = j.rule.advice;
+    rule["advice"] = j.advice;
     rule["seconds"] = j.seconds;
     list.push_back(std::move(rule));
   }
@@ -88,8 +88,11 @@ std::string list_text(std::span<const Rule> rules, std::size_t width) {
 Json list_json(std::span<const Rule> rules) {
   Json list = Json::array();
   for (const Rule& rule : rules)
-    list.push_back(json_object(
-        {{"name", rule.name}, {"asked_of", name(rule.applies_to)}, {"sentence", rule.sentence}, {"advice", rule.advice}}));
+    list.push_back(json_object({{"name", rule.name},
+                                {"asked_of", name(rule.applies_to)},
+                                {"sentence", rule.sentence},
+                                {"advice", rule.advice},
+                                {"program_advice", rule.program_advice.empty() ? rule.advice : rule.program_advice}}));
   return list;
 }
 
@@ -111,7 +114,10 @@ upper left, with the size of its picture.
   for (const Rule& rule : rules())
     page += fmt::format("| [{0}](#{0}) | {1} | {2} |\n", rule.name, name(rule.applies_to), markdown_text(rule.sentence));
   page += "\n## When a rule fails\n";
-  for (const Rule& rule : rules()) page += fmt::format("\n### {}\n\n{}\n", rule.name, markdown_text(rule.advice));
+  for (const Rule& rule : rules()) {
+    page += fmt::format("\n### {}\n\n{}\n", rule.name, markdown_text(rule.advice));
+    if (!rule.program_advice.empty()) page += fmt::format("\nIn a program: {}\n", markdown_text(rule.program_advice));
+  }
   return page;
 }
 

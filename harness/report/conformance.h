@@ -12,6 +12,7 @@ namespace gnomon::conformance {
 struct Judged {
   const Rule& rule;
   Verdict verdict;
+  std::string_view advice;  ///< for the author of this technique
   double seconds = 0;
 };
 

@@ -104,6 +104,8 @@ class Remember(ProgramTest):
         kind, found = self.verdict(self.mean("silent", FORGETS, ""), "silent", "same_mask")
         self.assertEqual(kind, "fails")
         self.assertIn("resolve again", found)
+        text = " ".join(self.succeed(*self.mean("silent", FORGETS, ""), "check", "silent", "--rule", "no_memory_undeclared", status=1).split())
+        self.assertIn("do: State remembers = true and drop the memory in forget, or keep no answer from one resolve to the next.", text)
 
     def test_what_remembers_says_so(self):
         options = self.told("tells", REMEMBERS)

@@ -19,7 +19,7 @@ class Holds final : public testing::Test {
     const Verdict verdict = judge(rule_, entry_);
     for (const Finding& finding : verdict.findings) ADD_FAILURE() << finding.what << '\n' << place_text(finding);
     if (verdict.kind == Verdict::Kind::fails)
-      ADD_FAILURE() << verdict.finding_count << " findings. " << rule_.sentence << ' ' << rule_.advice;
+      ADD_FAILURE() << verdict.finding_count << " findings. " << rule_.sentence << ' ' << advice_for(rule_, entry_);
     if (verdict.kind == Verdict::Kind::does_not_apply) GTEST_SKIP() << verdict.why;
   }
 

@@ -5,6 +5,7 @@
 
 #include "device/context.h"
 #include "measure/conformance/trial.h"
+#include "measure/program/description.h"
 
 namespace gnomon::conformance {
 
@@ -60,6 +61,10 @@ std::string_view why_not_applied(const Rule& rule, const About& about) {
   if (rule.applies_to == AppliesTo::not_remembering && about.remembers) return "it remembers frames";
   if (is_of_sampled && is_exact) return "it promises to be exact";
   return is_of_sampled && about.role == Role::baseline ? "it is a baseline" : "";
+}
+
+std::string_view advice_for(const Rule& rule, const TechniqueEntry& entry) {
+  return is_program(entry) && !rule.program_advice.empty() ? rule.program_advice : rule.advice;
 }
 
 Verdict judge(const Rule& rule, const TechniqueEntry& entry, const std::function<void(const Place&)>& moves) {

@@ -72,13 +72,15 @@ struct RuleTerms {
 };
 
 struct Rule : RuleTerms {
-  Rule(std::string_view id, void (*function)(Trial&), const RuleTerms& terms, std::string_view must, std::string_view mend)
-      : RuleTerms(terms), name(id), check(function), sentence(must), advice(mend) {}
+  Rule(std::string_view id, void (*function)(Trial&), const RuleTerms& terms, std::string_view must, std::string_view mend,
+       std::string_view mend_program = "")
+      : RuleTerms(terms), name(id), check(function), sentence(must), advice(mend), program_advice(mend_program) {}
 
   std::string_view name;
   void (*check)(Trial&);
-  std::string_view sentence;  ///< what a technique must do
-  std::string_view advice;    ///< what its author does when it does not
+  std::string_view sentence;        ///< what a technique must do
+  std::string_view advice;          ///< what its author does when it does not
+  std::string_view program_advice;  ///< what the author of a program does instead (docs/protocol.md); empty: the same
 };
 
 /// All rules, the quick ones about words first.
@@ -87,6 +89,8 @@ std::span<const Rule> rules();
 const Rule& rule(std::string_view name);
 /// Why a rule does not apply to a technique of such a data sheet; "" when it does.
 std::string_view why_not_applied(const Rule& rule, const About& about);
+/// What the author of this technique does when it does not keep the rule: in C++, or in a program.
+std::string_view advice_for(const Rule& rule, const TechniqueEntry& entry);
 
 /// Checks one rule of one technique, here in this process, which a technique may take down. An exception of the technique is a
 /// finding. `moves` is called with each place before the technique is checked there. Throws Error where the rule's scenes are

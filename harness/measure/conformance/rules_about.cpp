@@ -207,30 +207,41 @@ std::vector<Rule> about_rules() {
       Rule("data_sheet", data_sheet, {},
            "Its id is a plain name; title and source are there; summary, error and fails are sentences.",
            "Fill in the About: a sentence begins with no small letter and ends with a period. The id is the stem of the "
-           "file."),
+           "file.",
+           "Fill in title, source, summary, error and fails of the description: a sentence begins with no small "
+           "letter and ends with a period. The id is the stem of the file."),
       Rule("supports_a_light", supports_a_light, {}, "It supports at least one kind of light in each of two simple scenes.",
-           "Look at what supports() answers for a point light; one that refuses everything cannot be checked further."),
+           "Look at what supports() answers for a point light; one that refuses everything cannot be checked further.",
+           "Look at the keys lights and handles, and at what the program answers to supports for a point light; one "
+           "that refuses everything cannot be checked further."),
       Rule("support_answered", support_answered, {.has_context = false},
            "For every kind of light it answers whether it supports it: before anything runs, without OpenGL, and the same "
            "each time. Everything but full support has a reason.",
            "A fresh object answers supports(): compute the answer from scene, light and view alone, and never from what a "
-           "stage has made. Give Support::unsupported and Support::approximate a reason."),
+           "stage has made. Give Support::unsupported and Support::approximate a reason.",
+           "The process that answers supports runs no stage: compute the answer from scene, light and view alone. "
+           "Give approximate and unsupported a why."),
       Rule("parameters_and_layers", parameters_and_layers, {},
            "Every parameter and debug layer has a plain name of its own and a sentence. No layer is named mask, error or "
            "shaded. Colors of legends lie in 0 .. 1. A fresh object has its defaults.",
-           "Mend the row of the parameter or the entry of debug_layers() that is named. Constructors set nothing."),
+           "Mend the row of the parameter or the entry of debug_layers() that is named. Constructors set nothing.",
+           "Mend the [[parameter]] of the description that is named."),
       Rule("parameter_values", parameter_values, {},
            "Parameters take every value that they allow and refuse others with what, which value and what is allowed.",
            "Use Number, Choice and Flag of gnomon/param.h, which do so; a parameter of your own has to throw Error as they "
-           "do."),
-      Rule("features", features, {},
-           "A scene whose casters have holes is unsupported, unless About::handles lists alpha_masks; one whose casters let "
-           "a part of the light through, unless it lists transmission. Then an exact technique is wrong at no tested pixel "
-           "of such a scene; a sampled one keeps its promise, or has less than a quarter of the error of a mask without "
-           "shadows.",
-           "Look up every triangle that blocks a ray, or that is drawn, in its mask: is_solid_at "
-           "(gnomon/kit/geometry/holes.h) finds the texel, and transmission_at what it lets through; Crossings "
-           "(gnomon/kit/geometry/crossings.h) multiplies. A technique that does not leaves handles empty.")};
+           "do.",
+           "Mend value, min, max or choices of the [[parameter]] that is named."),
+      Rule(
+          "features", features, {},
+          "A scene whose casters have holes is unsupported, unless the data sheet states that it handles alpha_masks; one "
+          "whose casters let a part of the light through, unless it states transmission. Then an exact technique is wrong at no tested pixel "
+          "of such a scene; a sampled one keeps its promise, or has less than a quarter of the error of a mask without "
+          "shadows.",
+          "Look up every triangle that blocks a ray, or that is drawn, in its mask: is_solid_at "
+          "(gnomon/kit/geometry/holes.h) finds the texel, and transmission_at what it lets through; Crossings "
+          "(gnomon/kit/geometry/crossings.h) multiplies. A technique that does not leaves handles empty.",
+          "Look up every triangle that blocks a ray in its alpha mask and its transmission: docs/protocol.md says "
+          "how they are written. A program that does not leaves the key handles out.")};
 }
 
 }  // namespace gnomon::conformance

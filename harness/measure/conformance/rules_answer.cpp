@@ -179,7 +179,10 @@ std::vector<Rule> answer_rules() {
                "same mask bit for bit.",
                "Write every pixel, 1 where faces_light() says no. What differs from call to call comes from memory that is not "
                "set, from work that an earlier call left half done, or from the order of threads. Random numbers come from a "
-               "seed parameter."),
+               "seed parameter.",
+               "Write every pixel, 1 where it does not face the light. What differs from request to request comes from "
+               "memory that is not set, from work that an earlier request left half done, or from the order of threads. "
+               "Random numbers come from a [[parameter]] named seed."),
           Rule("lit_where_nothing_receives", lit_where_nothing_receives, {.has_small_pictures = true},
                "It writes a valid mask where some meshes do not receive shadows.",
                "Leave meshes with receives = false lit and keep looking at the others."),
@@ -193,20 +196,25 @@ std::vector<Rule> answer_rules() {
                "Look for acne on the ground, and for casts = false that is forgotten."),
           Rule("counts", counts, {.has_small_pictures = true},
                "Counts have plain names and values from 0 on, and exactly one is named bytes.",
-               "Return {\"bytes\", N, \"byte\"} from counts(), with all that the object holds after resolve."),
+               "Return {\"bytes\", N, \"byte\"} from counts(), with all that the object holds after resolve.",
+               "Look at counts in the answers to stages. Without bytes among them, bytes is the growth of the process."),
           Rule("explanations", explanations, {.has_small_pictures = true},
                "The explanation of a pixel is well formed: weights of taps sum to 1, directions have length 1, the bias is "
                "finite. Asking for it changes no answer.",
-               "Look at explain(): divide the weights by their sum, normalize directions, and let it only read."),
+               "Look at explain(): divide the weights by their sum, normalize directions, and let it only read.",
+               "Look at the answer to explain: divide the weights by their sum, normalize directions, and change nothing "
+               "that a later request reads."),
           Rule("debug_layers", debug_layers, {.has_small_pictures = true},
                "Every debug layer is a picture of three numbers from 0 to 1 for each pixel, the same when drawn twice, under "
                "both truths. Drawing it changes no answer. A layer that does not exist is refused with the technique's name.",
                "Size the picture by the last G-buffer, clamp what is a color, and end draw_debug with "
-               "Technique::draw_debug(layer), which words the refusal."),
+               "Technique::draw_debug(layer), which words the refusal.",
+               "A program has no debug layers: what is found comes from a stage before."),
           Rule("global_picture", global_pictures, {.has_small_pictures = true},
                "A global picture has three finite numbers >= 0 for each pixel, and 0 at background. It is the same when made "
                "twice, under both truths and every supported light, and changes no answer.",
-               "Size the picture by the last G-buffer, and let global_picture() only read what resolve has found.")};
+               "Size the picture by the last G-buffer, and let global_picture() only read what resolve has found.",
+               "A program gives no global picture: what is found comes from a stage before.")};
 }
 
 }  // namespace gnomon::conformance

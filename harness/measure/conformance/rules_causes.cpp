@@ -97,7 +97,10 @@ std::vector<Rule> cause_rules() {
                "Every wrong pixel of four scenes has a cause. Under lights with area at least 99 % of the error has one.",
                "Return from explain() what decided the pixel: the taps with their weights and stored depths, or the samples of "
                "the light, the bias, and covered = false where the technique has no opinion. docs/causes.md says what each "
-               "cause looks at.")};
+               "cause looks at.",
+               "List explain in answers, and answer it with what decided the pixel: the taps with their weights and "
+               "stored depths, or the samples of the light, the bias, and covered false where the technique has no "
+               "opinion. docs/causes.md says what each cause looks at.")};
 }
 
 }  // namespace gnomon::conformance

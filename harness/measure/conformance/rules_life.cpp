@@ -171,7 +171,8 @@ std::vector<Rule> life_rules() {
       Rule("parameter_ends", parameter_ends, {.has_small_pictures = true, .sanitized = Sanitized::part},
            "Both ends of every parameter, and every choice, run. A value set on a used object takes full effect from the "
            "stage that the parameter spoils.",
-           "Name the earliest stage that reads the parameter in its row; read it in that stage and not in a constructor."),
+           "Name the earliest stage that reads the parameter in its row; read it in that stage and not in a constructor.",
+           "Name the earliest stage that reads the parameter as its stage; read it from that request's settings."),
       Rule("change_of_light", change_of_light, {.has_small_pictures = true},
            "After relight under another light it answers as a fresh object does, through all lights and back.",
            "Let relight set all that depends on the light: what is kept from the light before is what differs."),
@@ -181,12 +182,16 @@ std::vector<Rule> life_rules() {
       Rule("counts_of_now", counts_of_now, {.has_small_pictures = true, .sanitized = Sanitized::part},
            "Counts, except times, depend on the present scene, light and picture alone, not on earlier ones.",
            "Count sizes, not room: vectors and textures that stay large after a larger picture are not all in use. Set "
-           "counters to zero at the beginning of their stage."),
+           "counters to zero at the beginning of their stage.",
+           "Count sizes, not room: arrays that stay large after a larger picture are not all in use. Set counters to "
+           "zero at the beginning of their stage."),
       Rule("change_of_scene", change_of_scene, {.has_small_pictures = true},
            "The same object answers in a second and third scene, and in the first again, as a fresh one does.",
            "Let build begin from nothing: clear lists, and forget what was made for meshes by their number or address."),
       Rule("two_objects", two_objects, {.has_small_pictures = true}, "Two objects that live at once do not disturb each other.",
-           "Keep what a stage makes in the object: look for static variables and for names of OpenGL that are shared.")};
+           "Keep what a stage makes in the object: look for static variables and for names of OpenGL that are shared.",
+           "Each has a process of its own: look for files outside of the folder that hello names, and for servers "
+           "that both talk to.")};
 }
 
 }  // namespace gnomon::conformance

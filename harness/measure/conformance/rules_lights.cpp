@@ -117,13 +117,17 @@ std::vector<Rule> light_rules() {
   return {Rule("further_lights", further_lights, {.has_small_pictures = true},
                "Objects for further lights answer as independent objects do, also after a change of scene.",
                "An object of for_another_light() shares what setup and build make and nothing else; keep it in one "
-               "Shared<Made> member (gnomon/kit/shared.h). Without for_another_light every light has a whole object."),
+               "Shared<Made> member (gnomon/kit/shared.h). Without for_another_light every light has a whole object.",
+               "Each light has a process of its own: look for files outside of the folder that hello names, and for "
+               "servers that several talk to."),
           Rule("sum_of_lights", sum_of_lights, {.sanitized = Sanitized::nothing},
                "The picture of all lights together is the sum of the pictures of each.",
-               "As with further_lights; look for what relight writes into the shared part."),
+               "As with further_lights; look for what relight writes into the shared part.",
+               "As with further_lights; look for what relight leaves where other processes read it."),
           Rule("bytes_of_further_lights", bytes_of_further_lights, {.sanitized = Sanitized::nothing},
                "Objects for further lights hold no more bytes than independent objects would.",
-               "Let an object for a further light count only what it holds itself, not what it shares.")};
+               "Let an object for a further light count only what it holds itself, not what it shares.",
+               "Count what the process of that light holds itself.")};
 }
 
 }  // namespace gnomon::conformance

@@ -174,7 +174,9 @@ std::vector<Rule> memory_rules() {
                "two and 8 MiB.",
                "Count everything that the object holds after resolve, textures and buffers of OpenGL included: those of the "
                "kit return their bytes. What scene_buffers and gbuffer_textures hold is counted by the harness. What is only "
-               "needed within a stage is freed at its end.")};
+               "needed within a stage is freed at its end.",
+               "Count everything that the program holds after resolve as bytes, or leave bytes out: then it is the growth "
+               "of the process. What is only needed within a stage is freed at its end.")};
 }
 
 }  // namespace gnomon::conformance

@@ -160,7 +160,8 @@ void gl_state(Trial& trial) {
 
 std::vector<Rule> neighbor_rules() {
   return {Rule("inputs", inputs, {.has_small_pictures = true, .sanitized = Sanitized::nothing},
-               "Scene and G-buffer in memory stay unchanged.", "Take no const away: copy what has to be changed."),
+               "Scene and G-buffer in memory stay unchanged.", "Take no const away: copy what has to be changed.",
+               "Open the files of scene and G-buffer for reading only: copy what has to be changed."),
           Rule("gl_inputs", gl_inputs,
                {.applies_to = AppliesTo::drawing, .has_small_pictures = true, .sanitized = Sanitized::nothing},
                "OpenGL buffers and textures of scene and G-buffer stay unchanged, and so do textures of others.",

@@ -110,23 +110,32 @@ std::vector<Rule> promise_rules() {
                "supports. With full support it covers all pixels.",
                "Look at the pixel that is named: gnomon run with this scene, light and size shows it in the color of its "
                "cause. Where the method errs, promise Promise::sampled; where it has no opinion, say Support::approximate and "
-               "covered = false."),
+               "covered = false.",
+               "Look at the pixel that is named: gnomon run with this scene, light and size shows it in the color of its "
+               "cause. Where the method errs, leave promise out; where it has no opinion, state approximate and explain "
+               "such pixels with covered false."),
           Rule("exact_soft", exact_soft, {.applies_to = AppliesTo::exact, .sanitized = Sanitized::nothing},
                "Under lights with area an exact technique is within 4 standard errors of the reference, except at as many "
                "pixels as chance allows, and within 12 everywhere.",
                "See that About::estimates names the share that the mask holds, of the area or of the irradiance. Where the "
-               "method errs, promise Promise::sampled."),
+               "method errs, promise Promise::sampled.",
+               "See that the key estimates names the share that the mask holds, of the area or of the irradiance. Where "
+               "the method errs, leave promise out."),
           Rule("better_than_nothing", better_than_nothing, {.applies_to = AppliesTo::sampled, .sanitized = Sanitized::nothing},
                "At its defaults a sampled technique has less than a quarter of the wrong pixels that a mask without shadows "
                "has; one that promises a share of wrong pixels keeps its promise instead.",
                "See that the defaults suit a scene of a few meters. One that only approximates says so and what it promises: "
-               "Support::approximate(why, {.most_wrong = 0.3}), the largest share of tested pixels that is wrong."),
+               "Support::approximate(why, {.most_wrong = 0.3}), the largest share of tested pixels that is wrong.",
+               "See that the defaults suit a scene of a few meters, and that the key lights lists no kind that the method "
+               "cannot answer."),
           Rule("better_than_nothing_soft", better_than_nothing_soft,
                {.applies_to = AppliesTo::sampled, .sanitized = Sanitized::nothing},
                "Under lights with area a sampled technique has less than a quarter of the mean error that a mask without "
                "shadows has; one that promises a bound keeps its promise instead.",
                "See that About::estimates names the share that the mask holds, and that the defaults suit a scene of a few "
-               "meters. One that only approximates says what it promises, as with better_than_nothing.")};
+               "meters. One that only approximates says what it promises, as with better_than_nothing.",
+               "See that the key estimates names the share that the mask holds, that the defaults suit a scene of a few "
+               "meters, and that the key lights lists no kind that the method cannot answer.")};
 }
 
 }  // namespace gnomon::conformance

@@ -161,7 +161,8 @@ std::vector<Rule> sequence_error_rules() {
            "wherever the light is faced, in every frame. Explain names the cause of the largest that has the sign of the "
            "difference. Calling both changes no mask.",
            "Put what is exact through the same filter, with the weights that the mask had, and begin the memory of that in the "
-           "first frame after forget. Sum in double.")};
+           "first frame after forget. Sum in double.",
+           "A program gives no error terms: what is found comes from a stage before.")};
 }
 
 }  // namespace gnomon::conformance

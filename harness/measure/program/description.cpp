@@ -268,9 +268,11 @@ std::shared_ptr<const ProgramDescription> read_program(const fs::path& file) {
   return made;
 }
 
+bool is_program(const TechniqueEntry& entry) { return entry.origin.ends_with(".toml"); }
+
 std::vector<std::string> described_stages(const TechniqueEntry& entry) {
   std::vector<std::string> names;
-  if (!entry.origin.ends_with(".toml")) return names;
+  if (!is_program(entry)) return names;
   const auto description = read_program(entry.origin);
   for (const Stage stage : all_stages)
     if (description->has_stage[static_cast<std::size_t>(stage)]) names.emplace_back(name(stage));

@@ -54,6 +54,9 @@ std::shared_ptr<const ProgramDescription> read_program(const std::filesystem::pa
 /// folder ID beside ID.toml.
 std::vector<std::filesystem::path> program_files(const ProgramDescription& description);
 
+/// Whether a technique is a program of its own.
+bool is_program(const TechniqueEntry& entry);
+
 /// The names of the stages that a technique receives by its description; none where it is no program.
 std::vector<std::string> described_stages(const TechniqueEntry& entry);
 

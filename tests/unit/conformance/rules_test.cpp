@@ -52,6 +52,24 @@ TEST(rules, have_a_plain_name_of_their_own_and_sentences) {
       Error);
 }
 
+// A program has no object, no header and no OpenGL of ours: rules that can fail for one give advice that speaks of requests,
+// answers and keys of the description.
+TEST(rules, advise_the_author_of_a_program_in_its_words) {
+  TechniqueEntry program;
+  program.origin = "techniques/mine.toml";
+  TechniqueEntry plugin;
+  plugin.origin = "mine.so";
+  for (const Rule& rule : rules()) {
+    EXPECT_EQ(advice_for(rule, {}), rule.advice);
+    EXPECT_EQ(advice_for(rule, plugin), rule.advice);
+    const std::string_view advice = advice_for(rule, program);
+    EXPECT_EQ(advice.back(), '.') << rule.name;
+    if (rule.applies_to == AppliesTo::drawing) continue;  // no program is asked
+    for (const std::string_view of_sources : {"()", "::", ".h", "static", "OpenGL", "constructor", "object"})
+      EXPECT_EQ(advice.find(of_sources), std::string_view::npos) << rule.name << ": " << advice;
+  }
+}
+
 TEST(rules, hold_of_a_technique_without_faults) {
   for (const Rule& rule : rules()) {
     const Verdict verdict = judge(rule, entry<Fault::none>());
