@@ -5,6 +5,7 @@
 #include <charconv>
 
 #include "analysis/in_order.h"
+#include "measure/counted.h"
 #include "measure/pattern.h"
 #include "measure/record/title.h"
 #include "measure/scene/time_reference.h"
@@ -183,7 +184,7 @@ std::string title(const Place& place, std::span<const Place> all) {
   if (!place.path.empty()) text += ", path " + place.path;
   if (place.frame_rate > 0 && varies(&Place::start)) text += fmt::format(" from {} s", place.start);
   if (place.frame_rate > 0 && varies(&Place::frame_rate)) text += fmt::format(" at {} Hz", place.frame_rate);
-  if (place.frame_rate > 0 && varies(&Place::frame_count)) text += fmt::format(", {} frames", place.frame_count);
+  if (place.frame_rate > 0 && varies(&Place::frame_count)) text += ", " + counted(place.frame_count, "frame{s}");
   if (varies(&Place::width) || varies(&Place::height)) text += fmt::format(", {} x {}", place.width, place.height);
   if (varies(&Place::truth)) text += fmt::format(", {} truth", name(place.truth));
   return text;

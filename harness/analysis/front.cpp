@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "analysis/missing_places.h"
+#include "measure/counted.h"
 
 namespace gnomon {
 

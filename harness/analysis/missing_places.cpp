@@ -1,5 +1,7 @@
 #include "analysis/missing_places.h"
 
+#include "measure/counted.h"
+
 namespace gnomon {
 
 namespace {
@@ -26,10 +28,10 @@ std::vector<std::string> missing_places(std::span<const Record> records, const R
     for (const auto& [key, rows] : settings)
       if (!rows.contains(place) && lacking++ == 0 && missing < most) why = why_missing(records, *rows.begin()->second, place);
     if (lacking == 0 || ++missing > most) continue;
-    if (lacking > 1) why += fmt::format(", and {} more setting{}", lacking - 1, lacking == 2 ? "" : "s");
+    if (lacking > 1) why += ", and " + counted(lacking - 1, "more setting{s}");
     lines.push_back(fmt::format("{}: {} ({})", lead, title(place, all), why));
   }
-  if (missing > most) lines.push_back(fmt::format("and {} more places", missing - most));
+  if (missing > most) lines.push_back("and " + counted(missing - most, "more place{s}"));
   return lines;
 }
 

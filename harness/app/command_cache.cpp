@@ -2,6 +2,7 @@
 #include <gnomon/error.h>
 
 #include "app/app.h"
+#include "measure/counted.h"
 #include "measure/frame/frame_cache.h"
 #include "measure/json.h"
 #include "measure/paths.h"
@@ -73,7 +74,7 @@ int check_files(const std::vector<CachedFile>& files) {
     has_removed(file.path);
     fmt::print("{} was damaged and is removed\n", file.path.string());
   }
-  fmt::print("{} files, {} damaged\n", files.size(), damaged);
+  fmt::print("{}, {} damaged\n", counted(files.size(), "file{s}"), damaged);
   return damaged > 0 ? 1 : 0;
 }
 
@@ -82,7 +83,7 @@ int clear(const fs::path& folder, const std::vector<CachedFile>& files) {
   for (const CachedFile& file : files)
     if (has_removed(file.path)) bytes += file.bytes;
   remove_left_overs(folder);
-  fmt::print("{} files, {} MB removed\n", files.size(), megabytes(bytes));
+  fmt::print("{}, {} MB removed\n", counted(files.size(), "file{s}"), megabytes(bytes));
   return 0;
 }
 

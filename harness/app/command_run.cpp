@@ -4,6 +4,7 @@
 
 #include "app/app.h"
 #include "app/suite_options.h"
+#include "measure/counted.h"
 #include "measure/notice.h"
 #include "measure/paths.h"
 #include "measure/record/merge.h"
@@ -86,8 +87,9 @@ void print_rows(const RunOptions& options, SceneLibrary& library) {
                missing.empty() ? "" : "  unsupported: " + missing);
   }
   const Suite& suite = options.suite;
-  if (requested > jobs.size()) fmt::print("{} are done\n", requested - jobs.size());
-  fmt::print("{} rows, {} processes x {} repetitions each", jobs.size(), suite.processes, suite.repetitions);
+  if (const std::size_t done = requested - jobs.size(); done > 0) fmt::print("{} {} done\n", done, done == 1 ? "is" : "are");
+  fmt::print("{}, {} x {} each", counted(jobs.size(), "row{s}"), counted(suite.processes, "process{es}"),
+             counted(suite.repetitions, "repetition{s}"));
   fmt::print("{}\n", sizes.empty() ? "" : fmt::format(", {} pixels", joined(sizes, ", ")));
   std::erase_if(jobs, [&](const Job& job) { return !library.get(job.scene).missing.empty(); });
   if (jobs.empty()) return;
@@ -108,8 +110,8 @@ bool has_answers(std::span<const Record> records) {
   };
   const auto answered = std::ranges::count_if(records, is_answered);
   if (!missing.empty())
-    print_notice("{}: {} of {} rows measured; not fetched: {}. {} --all fetches them\n", answered > 0 ? "note" : "gnomon",
-                 answered, records.size(), joined(missing, ", "), fetch_command());
+    print_notice("{}: {} of {} measured; not fetched: {}. {} --all fetches them\n", answered > 0 ? "note" : "gnomon", answered,
+                 counted(records.size(), "row{s}"), joined(missing, ", "), fetch_command());
   return answered > 0;
 }
 
@@ -143,9 +145,9 @@ int run(RunCommand& options, const Program& program) {
   fmt::print("{}\n", render_table(records, Format::terminal, {.width = terminal_width()}));
   if (!summary.left_out.empty())
     fmt::print("left out, for they support nothing of a group: {}\n\n", joined(summary.left_out, "; "));
-  fmt::print("{} rows: {} ok, {} unsupported, {} failed", summary.ok + summary.unsupported + summary.failed, summary.ok,
-             summary.unsupported, summary.failed);
-  if (summary.done_before) fmt::print("; {} were done before", summary.done_before);
+  fmt::print("{}: {} ok, {} unsupported, {} failed", counted(summary.ok + summary.unsupported + summary.failed, "row{s}"),
+             summary.ok, summary.unsupported, summary.failed);
+  if (summary.done_before) fmt::print("; {} done before", counted(summary.done_before, "{was|were}"));
   fmt::print("; {}\n\n", duration_text(summary.seconds));
   print_contents(run_options.out);
   if (!has_answers(records) && run_options.shard_count == 1) return 1;  // of a shard, the others may have what it lacks
@@ -172,29 +174,30 @@ int merge(const MergeOptions& options) {
   const Merge merged = merge_records(runs, options.prefer_last);
   print_conflicts(merged);
   if (!merged.conflicts.empty() && !options.prefer_last) {
-    print_notice("gnomon: {} of {} jobs have two answers; nothing is written. --prefer-last takes the last one of each\n",
-                 merged.conflicts.size(), merged.rows.size());
+    print_notice("gnomon: {} of {} {} two answers; nothing is written. --prefer-last takes the last one of each\n",
+                 merged.conflicts.size(), counted(merged.rows.size(), "job{s}"), merged.conflicts.size() == 1 ? "has" : "have");
     return 1;
   }
   for (const std::string& note : merged.notes) print_notice("note: {}\n", note);
   if (merged.duplicate_count)
-    print_notice("note: {} rows stand in more than one folder with the same answer; each counts once, by its {} one\n",
-                 merged.duplicate_count, options.prefer_last ? "last" : "first");
+    print_notice("note: {} in more than one folder with the same answer; each counts once, by its {} one\n",
+                 counted(merged.duplicate_count, "row{s} {stands|stand}"), options.prefer_last ? "last" : "first");
   std::vector<Record> records;
   for (const MergedRow& row : merged.rows) records.push_back(row.record);
   const std::size_t missing = write_merge(merged, options.out, [&](const fs::path& folder) {
     join_run_files(options.dirs, folder);
     write_tables(folder, records);
   });
-  if (missing) print_notice("note: {} pictures that the records name are in none of the folders\n", missing);
+  if (missing) print_notice("note: {} in none of the folders\n", counted(missing, "picture{s} that the records name {is|are}"));
   if (records.empty()) {
     fmt::print("the folders hold no rows\n");
     return 0;
   }
   const std::size_t failed = count(records, Status::failed);
-  fmt::print("{}\n{} rows: {} ok, {} unsupported, {} failed from {} folders\n\n",
-             render_table(records, Format::terminal, {.width = terminal_width()}), records.size(), count(records, Status::ok),
-             count(records, Status::unsupported), failed, options.dirs.size());
+  fmt::print("{}\n{}: {} ok, {} unsupported, {} failed from {}\n\n",
+             render_table(records, Format::terminal, {.width = terminal_width()}), counted(records.size(), "row{s}"),
+             count(records, Status::ok), count(records, Status::unsupported), failed,
+             counted(options.dirs.size(), "folder{s}"));
   print_contents(options.out);
   return failed > 0 ? 1 : 0;
 }

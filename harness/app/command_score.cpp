@@ -179,9 +179,9 @@ void report(const Question& question, std::size_t k, const ScoredMask& mask, Jso
   const std::vector<ForeignMask>& masks = question.rows[k];
   const FrameKey& key = question.key;
   if (!options.json) {
-    fmt::print("{}scene {}, light {}, view {}, {} x {}, {} truth: {} of {} pixels facing the light are tested\n\n{}",
-               k == 0 ? "" : "\n", options.scene, light_of(masks), key.view.name, key.width, key.height, options.truth,
-               score.errors.tested, score.errors.facing,
+    fmt::print("{}{}, light {}, view {}, {} x {}, {} truth: {} of {} pixels facing the light are tested\n\n{}",
+               k == 0 ? "" : "\n", scene_in_words(options.scene), light_of(masks), key.view.name, key.width, key.height,
+               options.truth, score.errors.tested, score.errors.facing,
                text_of(score.whole.metrics, shares_of(causes_that_occur(score.whole), score)));
     if (const std::string words = mask.words(); !words.empty()) fmt::print("\n{}\n", words);
     return;

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "measure/conformance/child.h"
+#include "measure/counted.h"
 #include "report/pages.h"
 #include "report/table/layout.h"
 #include "report/table/text_table.h"
@@ -20,8 +21,7 @@ std::size_t count_of(std::span<const Judged> judged, Verdict::Kind kind) {
 std::string verdict_text(const Verdict& verdict) {
   const std::string kind(name(verdict.kind));
   if (verdict.kind == Verdict::Kind::does_not_apply) return kind + ": " + verdict.why;
-  if (verdict.kind == Verdict::Kind::fails)
-    return fmt::format("{}: {} finding{}", kind, verdict.finding_count, verdict.finding_count == 1 ? "" : "s");
+  if (verdict.kind == Verdict::Kind::fails) return fmt::format("{}: {}", kind, counted(verdict.finding_count, "finding{s}"));
   return kind;
 }
 
@@ -56,7 +56,7 @@ std::string check_text(std::span<const Judged> judged, std::size_t width) {
   std::string text = table.text(width);
   for (const Judged& j : judged)
     if (j.verdict.kind == Verdict::Kind::fails) text += failure_text(j, width == 0 ? 120 : width);
-  return text + fmt::format("\n{} rules: {} hold, {} do not apply, {} fail\n", judged.size(),
+  return text + fmt::format("\n{}: {} hold, {} do not apply, {} fail\n", counted(judged.size(), "rule{s}"),
                             count_of(judged, Verdict::Kind::holds), count_of(judged, Verdict::Kind::does_not_apply),
                             count_of(judged, Verdict::Kind::fails));
 }

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "measure/counted.h"
 #include "measure/scene/channels.h"
 #include "measure/scene/pose.h"
 #include "measure/scene/scene_json.h"
@@ -209,9 +210,9 @@ Json mesh_json(const Mesh& mesh) {
 
 std::string describe_text(const std::string& reference, const Scene& scene, std::size_t width) {
   const Bounds b = scene.bounds();
-  std::string text =
-      fmt::format("{}: {} meshes, {} triangles\nbounds  {:g} {:g} {:g} .. {:g} {:g} {:g} m\n", reference, scene.meshes.size(),
-                  scene.triangle_count(), b.min.x, b.min.y, b.min.z, b.max.x, b.max.y, b.max.z);
+  std::string text = fmt::format("{}: {}, {}\nbounds  {:g} {:g} {:g} .. {:g} {:g} {:g} m\n", reference,
+                                 counted(scene.meshes.size(), "mesh{es}"), counted(scene.triangle_count(), "triangle{s}"),
+                                 b.min.x, b.min.y, b.min.z, b.max.x, b.max.y, b.max.z);
   for (const std::string& note : scene.notes) text += fmt::format("note    {}\n", note);
   if (const SceneEntry* entry = generator_of(reference))
     text += fmt::format("\n{}\n\n{}", entry->about.summary, parameters_text(*entry->make(), width));

@@ -160,7 +160,7 @@ class Analyze(ProgramTest):
                                  "truth": ("aside", "")})
         text = self.succeed("analyze", run, "front")
         self.assertNotRegex(text, "(?m)^bad ")
-        self.assertIn("1 settings that are beaten or constant are not shown", text)
+        self.assertIn("1 setting that is beaten or constant is not shown", text)
         self.assertRegex(self.succeed("analyze", run, "front", "--all"), r"(?m)^bad +20\.0 +10\.0 .*beaten \(slow\)")
         memory = {row["setting"]: row["standing"] for row in self.rows(run, "front", "--cost", "bytes")}
         self.assertEqual(memory, {"fast": "beaten", "slow": "front", "bad": "beaten", "truth": "aside"})

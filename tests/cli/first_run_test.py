@@ -53,7 +53,7 @@ class FirstRun(ProgramTest):
             self.assertEqual(self.run_script(*words, *ROW).stdout.splitlines()[-1], "mine/report.html")
 
     def test_nothing_measured_is_no_report(self):
-        self.assertIn("1 rows", self.run_script("--dry-run", *ROW).stdout)
+        self.assertIn("1 row, ", self.run_script("--dry-run", *ROW).stdout)
         self.assertIn("gnomon", self.run_script("--nonsense", status=2).stderr)
         self.assertIn("--out", self.run_script("--resume", status=2).stderr)
         self.assertFalse((self.dir / "runs").exists())

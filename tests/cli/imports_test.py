@@ -15,7 +15,7 @@ class Imports(ProgramTest):
         for ending in ("obj", "ply", "stl", "off", "gltf", "glb"):
             with self.subTest(ending):
                 text = self.succeed("describe", DATA / f"tetrahedron.{ending}")
-                self.assertRegex(text, r"(?m): 1 meshes, 4 triangles$")
+                self.assertRegex(text, r"(?m): 1 mesh, 4 triangles$")
                 self.assertRegex(text, r"(?m)^bounds  0 0 0 \.\. 1 1 1 m$")
                 self.assertRegex(text, r"(?m)^\S+ +4 +- +yes +0 +0 +0 +0$")  # closed: no edge is open, shared or turned
 
@@ -54,7 +54,7 @@ class Imports(ProgramTest):
         self.assertEqual([r["context"]["scene_file"] for r in records(out)], ["../../scene.toml"])
         # From another folder, and under another path, it is the same scene: its row is done, and a new one has the same name.
         text = self.succeed(*row, "moved/scene.toml", "--technique", "embree_rays", "--resume", "--out", "moved/runs/out")
-        self.assertIn("1 were done before", text)
+        self.assertIn("1 was done before", text)
         self.assertEqual([r["scene"] for r in records(out)], ["scene.toml"] * 2)
         done = self.gnomon("table", "moved/runs/out", "--rescore", "--save")
         self.assertIn("2 rows rescored", done.stdout + done.stderr)

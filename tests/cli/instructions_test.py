@@ -24,7 +24,7 @@ class Instructions(ProgramTest):
     def test_a_stage_of_four_times_the_pixels_takes_four_times_the_instructions(self):
         def resolve(size):
             lines = self.said("single_triangle", "point", "svbsp", size).splitlines()
-            self.assertEqual(lines[0], f"single_triangle point svbsp, {size}: instructions of one thread, 1 runs")
+            self.assertEqual(lines[0], f"single_triangle point svbsp, {size}: instructions of one thread, 1 run")
             counts = {line.split()[0]: int(line.split()[1].replace(",", "")) for line in lines[2:]}
             self.assertEqual(list(counts), ["setup", "build", "relight", "resolve"])
             return counts["resolve"]

@@ -72,7 +72,7 @@ class Merge(ProgramTest):
         done = self.gnomon("merge", *self.parts, copy, "--out", "merged")
         self.assertEqual((done.returncode, done.stdout), (1, ""), done.stderr)
         for text in (f"conflict: job {row['job']} {row['scene']} {row['light']} {row['technique']}", str(self.parts[0]), str(copy),
-                     "metrics.shape.wrong_rate: ", ", 0.5", f"1 of {COUNT} jobs have two answers; nothing is written"):
+                     "metrics.shape.wrong_rate: ", ", 0.5", f"1 of {COUNT} jobs has two answers; nothing is written"):
             self.assertIn(text, done.stderr)
         self.assertFalse((self.dir / "merged").exists())
         self.assertEqual([p for p in self.dir.iterdir() if p.name.startswith(".")], [])
@@ -100,7 +100,7 @@ class Merge(ProgramTest):
         (copy / row["mask"]).unlink()
         done = self.gnomon("merge", copy, *self.parts[1:], "--out", "merged")
         self.assertEqual(done.returncode, 0)
-        self.assertIn("note: 1 pictures that the records name are in none of the folders", done.stderr)
+        self.assertIn("note: 1 picture that the records name is in none of the folders", done.stderr)
 
     def test_bad_folders_are_refused(self):
         self.refuse("merge", self.parts[0], "--out", self.parts[1], says=[str(self.parts[1]), "holds records already"])

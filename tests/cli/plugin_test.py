@@ -85,7 +85,7 @@ class Plugins(ProgramTest):
         self.assertIn("always_lit", planned)
         self.assertNotIn("sun unshadowed", planned)
         text = self.succeed("run", *call, *ROWS, "--resume")
-        self.assertIn("1 rows: 1 ok, 0 unsupported, 0 failed; 1 were done before", text)
+        self.assertIn("1 row: 1 ok, 0 unsupported, 0 failed; 1 was done before", text)
         after = {row["technique"]: row for row in records(self.dir / "out")}
         self.assertEqual(len(records(self.dir / "out")), 2)
         self.assertNotEqual(before["always_lit"]["context"]["plugin"]["hash"], after["always_lit"]["context"]["plugin"]["hash"])

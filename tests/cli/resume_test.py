@@ -66,8 +66,8 @@ class Resume(ProgramTest):
         before = self.lines()
         other = ["run", *ROWS, "--size", "160x90", "--out", "out", "--resume"]
         self.refuse(*other, "--repetitions", "1", "--processes", "2",
-                    says=["single_triangle point unshadowed was run with 1 processes, not 2", "another --out"])
-        self.refuse(*other, "--processes", "1", "--repetitions", "3", says=["was run with 1 repetitions, not 3"])
+                    says=["single_triangle point unshadowed was run with 1 process, not 2", "another --out"])
+        self.refuse(*other, "--processes", "1", "--repetitions", "3", says=["was run with 1 repetition, not 3"])
         self.refuse(*run, "--truth", "mesh", says=["its rows have the truth shape, not mesh"])
         self.assertEqual(self.lines(), before)
 
@@ -151,7 +151,7 @@ class Resume(ProgramTest):
         self.succeed(*run)
         self.write("mine.toml", SUITE.format('["single_triangle", "contact"]'))
         text = self.succeed(*run, "--filter", "unshadowed")  # also of rows that are not requested now
-        self.assertIn("1 were done before", text)
+        self.assertIn("1 was done before", text)
         rows = {(row["scene"], row["technique"]): row["place"] for row in records(self.dir / "out")}
         self.assertEqual(rows, {("single_triangle", "unshadowed"): 0, ("contact", "unshadowed"): 2, ("contact", "embree_rays"): 3})
         self.succeed(*run)
@@ -186,7 +186,7 @@ class Resume(ProgramTest):
         self.succeed(*run, "--filter", "sun")
         text = self.succeed(*run, "--resume", "--dry-run")
         self.assertEqual(re.findall(r"(?m)^[0-9a-f]{16}  single_triangle (\w+) ", text), ["point", "point"])
-        self.assertIn("\n2 are done\n2 rows, 1 processes x 1 repetitions each, 160x90 pixels\n", text)
+        self.assertIn("\n2 are done\n2 rows, 1 process x 1 repetition each, 160x90 pixels\n", text)
         self.change(lambda row: row.update(status="failed"))
         self.assertIn("\n4 rows, ", self.succeed(*run, "--resume", "--retry-failed", "--dry-run"))
         self.assertEqual(len(self.lines()), 2)

@@ -139,8 +139,8 @@ class Run(ProgramTest):
 
     def test_size_comes_before_the_sizes_of_groups(self):
         suite = self.write("mine.toml", SUITE.replace("lights =", 'sizes = ["64x36", "32x18"]\nlights ='))
-        self.assertIn("\n12 rows, 1 processes x 2 repetitions each, 64x36, 32x18 pixels\n", self.succeed("run", suite, "--dry-run"))
-        self.assertIn("\n6 rows, 1 processes x 2 repetitions each, 48x27 pixels\n",
+        self.assertIn("\n12 rows, 1 process x 2 repetitions each, 64x36, 32x18 pixels\n", self.succeed("run", suite, "--dry-run"))
+        self.assertIn("\n6 rows, 1 process x 2 repetitions each, 48x27 pixels\n",
                       self.succeed("run", suite, "--size", "48x27", "--dry-run"))
 
     def test_several_processes_are_fresh_ones(self):

@@ -36,7 +36,7 @@ class Stale(ProgramTest):
         self.change(lambda row: row["context"].update(build="0" * 16, technique_source="0" * 16))
         text = self.said()
         self.assertRegex(text, r"(?m)^quick: \d+ rows that the suite has and the results lack: ")
-        self.assertRegex(text, r"(?m)^1 folders, 1 stale; 6 rows measured again")
+        self.assertRegex(text, r"(?m)^1 folder, 1 stale; 6 rows measured again")
         self.assertNotIn("->", text)  # no number
         self.assertEqual(len(text.splitlines()), 2, text)
 
@@ -49,15 +49,15 @@ class Stale(ProgramTest):
         with open(self.kept / "quick/records.jsonl", "a", encoding="utf-8") as file:
             file.write(json.dumps(records(self.kept / "quick")[0] | {"job": "0" * 16, "technique": "bygone"}) + "\n")
         text = self.said("quick")
-        for words in ("quick: rows of 2 commits: ", "quick: made by a tree that was no commit", "quick: 1 rows that the suite has no more: fence ",
+        for words in ("quick: rows of 2 commits: ", "quick: made by a tree that was no commit", "quick: 1 row that the suite has no more: fence ",
                       "quick: fence point shadow_map: metrics.shape.error "):
             self.assertIn(f"\n{words}", "\n" + text)
-        self.assertRegex(text, r"1 rows drawn by another OpenGL then, 5 rows measured again")
+        self.assertRegex(text, r"1 row drawn by another OpenGL then, 5 rows measured again")
         self.assertEqual(text.count("->"), 1, text)
 
     def test_a_suite_that_is_gone_is_named(self):
         (self.kept / "quick").rename(self.kept / "bygone")
-        self.assertEqual(self.said(), "bygone: there is no suite bygone any more\n1 folders, 1 stale; no row measured again\n")
+        self.assertEqual(self.said(), "bygone: there is no suite bygone any more\n1 folder, 1 stale; no row measured again\n")
         self.assertIn("nowhere has no records.jsonl and no run.json", self.said("nowhere", status=2))
 
     def test_a_folder_without_records_has_the_suite_that_it_was_made_of(self):
@@ -67,12 +67,12 @@ class Stale(ProgramTest):
         run["runs"][0]["context"]["commit"] = "0123456789"
         run["runs"][0]["changes"] = ""
         file.write_text(json.dumps(run))
-        self.assertEqual(self.said(status=0), "1 folders, 0 stale; no row measured again\n")
+        self.assertEqual(self.said(status=0), "1 folder, 0 stale; no row measured again\n")
         run["runs"][0]["suite"]["text"] += "processes = 3\n"
         run["runs"][0]["context"]["commit"] = "0123456789-dirty"
         file.write_text(json.dumps(run))
         self.assertEqual(self.said(), "quick: made by a tree that was no commit\nquick: made of another text of the suite\n"
-                                      "1 folders, 1 stale; no row measured again\n")
+                                      "1 folder, 1 stale; no row measured again\n")
 
     def test_records_of_another_schema_are_refused(self):
         self.change(lambda row: row.update(schema=row["schema"] - 1))

@@ -160,7 +160,7 @@ class Time(ProgramTest):
         self.assertEqual([what(row) for row in after[:4]], [what(row) for row in before])
         self.assertEqual([row["scene"] for row in after[4:]], ["moving.toml@1.5"] * 2)
         self.write("moving.toml", MOVING.replace("[4, 0, 0]", "[5, 0, 0]"))
-        self.refuse("run", grown, *NUMBERS, "--quiet", "--resume", "--out", "elsewhere/out", says=["scene moving.toml@1 has changed since"])
+        self.refuse("run", grown, *NUMBERS, "--quiet", "--resume", "--out", "elsewhere/out", says=["gnomon: moving.toml@1 has changed since"])
 
     def test_shards_of_stills_join_and_two_runs_of_them_compare(self):
         self.write_scenes()

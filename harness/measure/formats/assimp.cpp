@@ -189,7 +189,7 @@ MeshFile read_by_assimp(const fs::path& file, const ReadFile& read) {
   add_meshes(*scene, *scene->mRootNode, glm::dmat4(1), answer);
   answer.notes.emplace_back("the general importer assimp read it: what it left out or changed is not known");
   answer.note(scene->mNumLights + scene->mNumCameras,
-              "lights and cameras are left out: of this format it is not known what they mean");
+              "{light or camera is|lights and cameras are} left out: of this format it is not known what {it means|they mean}");
   return answer;
 }
 

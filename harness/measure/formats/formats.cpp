@@ -3,6 +3,7 @@
 #include <assimp/Importer.hpp>
 #include <cmath>
 
+#include "measure/counted.h"
 #include "measure/formats/readers.h"
 #include "measure/formats/text_lines.h"
 
@@ -37,8 +38,8 @@ void ImportedMesh::add_face(std::span<const std::uint32_t> face) {
   corners.insert(corners.end(), face.begin(), face.end());
 }
 
-void MeshFile::note(std::size_t count, std::string_view what) {
-  if (count > 0) notes.push_back(fmt::format("{} {}", count, what));
+void MeshFile::note(std::size_t count, std::string_view what, std::string_view more) {
+  if (count > 0) notes.push_back(counted(count, what).append(more));
 }
 
 MeshFile read_mesh_file(const fs::path& file, const ReadFile& read, bool with_uv) {

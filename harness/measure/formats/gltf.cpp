@@ -89,14 +89,18 @@ class SceneReader {
     std::size_t elsewhere = 0;
     for (std::size_t n = 0; n < tree_.size(); ++n) elsewhere += file_.item("nodes", n).contains("mesh");
     for (const std::size_t n : tree_.scene()) elsewhere -= file_.item("nodes", n).contains("mesh");
-    answer_.note(elsewhere, "nodes with meshes stand outside of the default scene and are left out");
-    answer_.note(file_.count("cameras") - used_cameras_.size(), "cameras stand at no node of the scene and are left out");
+    answer_.note(elsewhere, "node{s} with meshes {stands|stand} outside of the default scene and {is|are} left out");
+    answer_.note(file_.count("cameras") - used_cameras_.size(),
+                 "camera{s} {stands|stand} at no node of the scene and {is|are} left out");
     const Json* lights = light_list();
-    answer_.note((lights ? lights->size() : 0) - used_lights_.size(), "lights stand at no node of the scene and are left out");
-    answer_.note(hidden_count_, "nodes with meshes or lights are hidden by KHR_node_visibility and left out");
-    answer_.note(colored_lights_, "lights have a color or a range, which are not used");
+    answer_.note((lights ? lights->size() : 0) - used_lights_.size(),
+                 "light{s} {stands|stand} at no node of the scene and {is|are} left out");
+    answer_.note(hidden_count_, "node{s} with meshes or lights {is|are} hidden by KHR_node_visibility and left out");
+    answer_.note(colored_lights_, "light{s} {has|have} a color or a range, which are not used");
     motion_.finish(answer_);
-    answer_.note(moved_count_, "cameras and lights are at nodes that animations move, and stay where the file has them");
+    answer_.note(moved_count_,
+                 "{camera or light is at a node|cameras and lights are at nodes} that animations move, and "
+                 "{stays where the file has it|stay where the file has them}");
     for (const std::string& note : file_.notes()) answer_.notes.push_back(note);
   }
 

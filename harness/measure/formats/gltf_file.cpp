@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "measure/counted.h"
 #include "measure/formats/readers.h"
 #include "measure/formats/text_lines.h"
 
@@ -91,7 +92,7 @@ void GltfFile::open(const fs::path& file, const ReadFile& read) {
   if (word_at(bytes, 4) > 2) throw Error("{}: is GLB of version {}; 2 is read", name_, word_at(bytes, 4));
   const std::size_t size = word_at(bytes, 8);
   if (bytes.size() < size) throw Error("{}: is {} bytes long but declares {}; it is truncated", name_, bytes.size(), size);
-  if (bytes.size() > size) notes_.push_back(fmt::format("{} bytes after its end are left out", bytes.size() - size));
+  if (bytes.size() > size) notes_.push_back(counted(bytes.size() - size, "byte{s} after its end {is|are} left out"));
   std::size_t unknown = 0;
   for (std::size_t at = 12, chunk = 0; at + 8 <= size; ++chunk) {
     const std::size_t length = word_at(bytes, at);
@@ -110,7 +111,7 @@ void GltfFile::open(const fs::path& file, const ReadFile& read) {
     }
     at += 8 + length;
   }
-  if (unknown > 0) notes_.push_back(fmt::format("{} chunks of another kind than JSON and BIN are left out", unknown));
+  if (unknown > 0) notes_.push_back(counted(unknown, "chunk{s} of another kind than JSON and BIN {is|are} left out"));
 }
 
 void GltfFile::check_version() {

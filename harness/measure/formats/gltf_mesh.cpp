@@ -230,11 +230,12 @@ void GltfMeshes::finish() {
     for (const std::size_t node : origins_[m].nodes)
       if (origins_[m].is_moved) motion_.place(node, answer_.meshes[m]);
   }
-  answer_.note(points_and_lines_, "points and lines are left out");
-  answer_.note(without_positions_, "primitives have no positions and are left out");
-  answer_.note(odd_weights_, "vertices have weights of joints whose sum is not 1, and are used as they are");
-  answer_.note(vertex_alpha_, "vertices of masked meshes have a color with alpha, which is not used");
-  answer_.note(vertex_colors_, "vertices of meshes that transmit light have a color, which is not used");
+  answer_.note(points_and_lines_, "{point or line is|points and lines are} left out");
+  answer_.note(without_positions_, "primitive{s} {has|have} no positions and {is|are} left out");
+  answer_.note(odd_weights_,
+               "vert{ex has|ices have} weights of joints whose sum is not 1, and {is used as it is|are used as they are}");
+  answer_.note(vertex_alpha_, "vert{ex|ices} of masked meshes {has|have} a color with alpha, which is not used");
+  answer_.note(vertex_colors_, "vert{ex|ices} of meshes that transmit light {has|have} a color, which is not used");
   textures_.note();
 }
 

@@ -167,12 +167,13 @@ void GltfMotion::finish(MeshFile& answer) {
     item.animation.name = free_name(std::move(item.animation.name));
     motion_.animations.push_back(std::move(item.animation));
   }
-  answer.note(motion_.animations.size(), "animations move meshes; SCENE@SECONDS is a still at a time");
-  answer.note(idle_animations, "animations move no mesh and are left out");
-  answer.note(idle_channels, "channels of animations move no mesh and are left out");
-  answer.note(read_.without_node, "channels of animations have no node and are left out");
-  answer.note(read_.pointers, "channels of animations are of KHR_animation_pointer and are left out");
-  answer.note(repeated_keys, "keys of animations have the time of the key before them, and count from that time on");
+  answer.note(motion_.animations.size(), "animation{s} {moves|move} meshes; SCENE@SECONDS is a still at a time");
+  answer.note(idle_animations, "animation{s} {moves|move} no mesh and {is|are} left out");
+  answer.note(idle_channels, "channel{s} of animations {moves|move} no mesh and {is|are} left out");
+  answer.note(read_.without_node, "channel{s} of animations {has|have} no node and {is|are} left out");
+  answer.note(read_.pointers, "channel{s} of animations {is|are} of KHR_animation_pointer and {is|are} left out");
+  answer.note(repeated_keys,
+              "key{s} of animations {has|have} the time of the key before, and {counts|count} from that time on");
   if (!motion_.animations.empty()) answer.motion = std::move(motion_);
 }
 

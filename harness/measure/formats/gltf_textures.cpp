@@ -151,19 +151,24 @@ void GltfTextures::note() {
   constexpr std::string_view images[] = {"masks", "transmission"},
                              without[] = {"the cards are solid", "the factors of their materials alone count"};
   for (const Use use : {for_mask, for_transmission}) {
-    answer_.note(missing_[use],
-                 fmt::format("images of {} are not there ('{}' is one); {}", images[use], first_missing_[use], without[use]));
+    answer_.note(missing_[use], fmt::format("image{{s}} of {} {{is|are}} not there", images[use]),
+                 fmt::format(" ('{}' is one); {}", first_missing_[use], without[use]));
     answer_.note(without_source_[use],
-                 fmt::format("textures of {} have no image of a kind that is read; {}", images[use], without[use]));
+                 fmt::format("texture{{s}} of {} {{has|have}} no image of a kind that is read; {}", images[use], without[use]));
   }
   answer_.note(elsewhere_.size(),
-               "textures of transmission have other places or another wrap than the color's; their factors alone count");
-  answer_.note(without_alpha_.size(), "materials of alphaMode BLEND have an alpha of 1 without their image; they are opaque");
-  answer_.note(of_metal_.size(),
-               "materials have KHR_materials_transmission and a metallicFactor of 1, the format's default: metal transmits no "
-               "light; glass has metallicFactor 0");
-  answer_.note(with_mask_.size(), "materials have a mask and KHR_materials_transmission; what is solid of them transmits");
-  answer_.note(with_volume_.size(), "materials have a volume (KHR_materials_volume) and are read as thin surfaces");
+               "texture{s} of transmission {has|have} other places or another wrap than the color's; "
+               "{its factor alone counts|their factors alone count}");
+  answer_.note(without_alpha_.size(),
+               "material{s} of alphaMode BLEND {has|have} an alpha of 1 without the image; {it is|they are} opaque");
+  answer_.note(
+      of_metal_.size(),
+      "material{s} {has|have} KHR_materials_transmission and a metallicFactor of 1, the format's default: metal transmits no "
+      "light; glass has metallicFactor 0");
+  answer_.note(with_mask_.size(), "material{s} {has|have} a mask and KHR_materials_transmission; what is solid transmits");
+  answer_.note(
+      with_volume_.size(),
+      "material{s} {has|have} a volume (KHR_materials_volume) and {is read as a thin surface|are read as thin surfaces}");
 }
 
 }  // namespace gnomon::importing

@@ -106,8 +106,8 @@ struct MeshFile {
   std::vector<std::string> notes;  ///< what the file contains and the scene does not: "3 camera elements are left out"
   std::string failure;             ///< why nothing could be read; empty where something was
 
-  /// "COUNT WHAT", unless the count is 0: note(3, "lines are left out").
-  void note(std::size_t count, std::string_view what);
+  /// counted(COUNT, WHAT) and `more` as it is, unless the count is 0: note(3, "line{s} {is|are} left out").
+  void note(std::size_t count, std::string_view what, std::string_view more = "");
 };
 
 /// The fields in the order in which they cross the pipe, for FieldWriter and FieldReader alike.

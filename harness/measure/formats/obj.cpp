@@ -223,13 +223,13 @@ class ObjReader {
   }
 
   void note() {
-    answer_.note(points_and_lines_, "points and lines are left out");
-    answer_.note(short_faces_, "faces have fewer than three corners and are left out");
-    answer_.note(free_form_, "free-form curves and surfaces are left out");
-    answer_.note(weighted_, "vertices have a weight, which is for free-form surfaces and not used");
+    answer_.note(points_and_lines_, "{point or line is|points and lines are} left out");
+    answer_.note(short_faces_, "face{s} {has|have} fewer than three corners and {is|are} left out");
+    answer_.note(free_form_, "free-form {curve or surface is|curves and surfaces are} left out");
+    answer_.note(weighted_, "vert{ex has|ices have} a weight, which is for free-form surfaces and not used");
     if (unknown_ > 0)
-      answer_.note(unknown_,
-                   fmt::format("lines open with a word that is unknown to OBJ ({}) and are left out", first_unknown_));
+      answer_.note(unknown_, "line{s} {opens|open} with a word that is unknown to OBJ and {is|are} left out",
+                   fmt::format(" ({})", first_unknown_));
     materials_.note(answer_);
   }
 

@@ -87,7 +87,7 @@ void ObjMaterials::read_library(const fs::path& file, MeshFile& answer) {
       if (word == "map_d") read_map(lines, *material);
     }
   }
-  answer.note(spectral, "colors of materials are spectral or XYZ and not used");
+  answer.note(spectral, "color{s} of materials {is|are} spectral or XYZ and not used");
 }
 
 /// d, or 1 - Tr, which the specification does not have: where a material has both, d counts.
@@ -177,22 +177,21 @@ void ObjMaterials::read_mask(const std::string& name, Material& material, MeshFi
 
 void ObjMaterials::note(MeshFile& answer) const {
   if (!missing_libraries_.empty())
-    answer.note(
-        missing_libraries_.size(),
-        fmt::format("libraries of materials are not there, or no regular files ('{}' is one)", missing_libraries_.front()));
+    answer.note(missing_libraries_.size(), "librar{y|ies} of materials {is|are} not there, or no regular {file|files}",
+                fmt::format(" ('{}' is one)", missing_libraries_.front()));
   if (!missing_.empty())
-    answer.note(missing_.size(),
-                fmt::format("materials are in no library ('{}' is one); their color is not known", *missing_.begin()));
-  answer.note(masked_.size(), "materials have a mask (map_d), and the format has no cutoff: an alpha of 0.5 or more is solid");
-  answer.note(with_more_options_.size(), "materials have a mask with options that are not used (all but -clamp)");
-  answer.note(masked_and_thin_.size(), "materials have a mask (map_d) and d or Tr: what is solid of them transmits 1 - d");
-  answer.note(with_halo_.size(), "materials have d -halo, which is read as d: it does not depend on the direction");
+    answer.note(missing_.size(), "material{s} of unknown color {is|are} in no library",
+                fmt::format(" ('{}' is one)", *missing_.begin()));
+  answer.note(masked_.size(),
+              "material{s} {has|have} a mask (map_d), and the format has no cutoff: an alpha of 0.5 or more is solid");
+  answer.note(with_more_options_.size(), "material{s} {has|have} a mask with options that are not used (all but -clamp)");
+  answer.note(masked_and_thin_.size(), "material{s} {has|have} a mask (map_d) and d or Tr: what is solid transmits 1 - d");
+  answer.note(with_halo_.size(), "material{s} {has|have} d -halo, which is read as d: it does not depend on the direction");
   answer.note(with_filter_.size(),
-              "materials have a filter (Tf), which is not used: d dissolves all colors alike, as the format says");
+              "material{s} {has|have} a filter (Tf), which is not used: d dissolves all colors alike, as the format says");
   if (!without_image_.empty())
-    answer.note(
-        without_image_.size(),
-        fmt::format("materials have a mask whose image is not there ('{}' is one); they are solid", *without_image_.begin()));
+    answer.note(without_image_.size(), "material{s} {has|have} a mask whose image is not there and {is|are} solid",
+                fmt::format(" ('{}' is one)", *without_image_.begin()));
 }
 
 }  // namespace gnomon::importing

@@ -89,7 +89,7 @@ void read_lines(TextLines& lines, const OffHeader& header, MeshFile& answer) {
     if (words < least) throw Error("{}: vertex {} has {} numbers of {}; it is truncated", lines.where(), v, words, least);
     overlong += words > least + (header.has_color ? 1 : 0);
   }
-  answer.note(overlong, "vertices have more numbers than the head of the file names; the rest is left out");
+  answer.note(overlong, "vert{ex has|ices have} more numbers than the head of the file names; the rest is left out");
   std::vector<std::uint32_t> face;
   for (std::size_t f = 0; f < header.face_count; ++f) {
     lines.begin("face", f, header.face_count);
@@ -103,7 +103,7 @@ void read_lines(TextLines& lines, const OffHeader& header, MeshFile& answer) {
     }
     mesh.add_face(face);
   }
-  answer.note(lines.lines_left(), "lines after the last face are left out");
+  answer.note(lines.lines_left(), "line{s} after the last face {is|are} left out");
 }
 
 /// Numbers of 32 bits, the highest byte first.
@@ -155,7 +155,7 @@ void read_bytes(const std::string& name, std::string_view bytes, OffHeader heade
     if (colors > 4) throw Error("{}: face {} has {} numbers of a color; at most 4 are allowed", name, f, colors);
     for (std::uint32_t k = 0; k < colors; ++k) in.natural();
   }
-  answer.note(in.left(), "bytes after the last face are left out");
+  answer.note(in.left(), "byte{s} after the last face {is|are} left out");
 }
 
 }  // namespace

@@ -127,8 +127,8 @@ class LineBody {
   void end() { overlong_ += !lines_.word().empty(); }
   std::string where() const { return lines_.where(); }
   void note_rest(MeshFile& answer) {
-    answer.note(overlong_, "lines hold more than their properties; the rest of them is left out");
-    answer.note(lines_.lines_left(), "lines after the last element are left out");
+    answer.note(overlong_, "line{s} {holds|hold} more than the properties; the rest is left out");
+    answer.note(lines_.lines_left(), "line{s} after the last element {is|are} left out");
   }
 
  private:
@@ -165,7 +165,7 @@ class ByteBody {
   }
   void end() {}
   const std::string& where() const { return name_; }
-  void note_rest(MeshFile& answer) { answer.note(rest_.size(), "bytes after the last element are left out"); }
+  void note_rest(MeshFile& answer) { answer.note(rest_.size(), "byte{s} after the last element {is|are} left out"); }
 
  private:
   void need(std::size_t size) const {
@@ -200,18 +200,19 @@ class PlyReader {
 
   MeshFile read() {
     mesh_.positions.reserve(header_.vertex_count);
-    answer_.note(header_.unknown_count, "lines of the header open with a word that is unknown to PLY and are left out");
+    answer_.note(header_.unknown_count,
+                 "line{s} of the header {opens|open} with a word that is unknown to PLY and {is|are} left out");
     std::size_t others = 0;
     for (const PlyElement& element : header_.elements) {
       if (!element.properties.empty()) read(element);
       constexpr std::size_t most_notes = 10;
       if (element.is_vertex() || element.is_faces() || element.count == 0) continue;
       if (answer_.notes.size() < most_notes)
-        answer_.note(element.count, fmt::format("'{}' elements are left out", element.name));
+        answer_.note(element.count, "element{s} {is|are} left out", fmt::format(": '{}'", element.name));
       else
         others += element.count;
     }
-    answer_.note(others, "elements of other kinds are left out");
+    answer_.note(others, "element{s} of other kinds {is|are} left out");
     body_.note_rest(answer_);
     return std::move(answer_);
   }

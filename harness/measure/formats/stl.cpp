@@ -39,7 +39,7 @@ MeshFile read_binary(const std::string& name, std::string_view bytes) {
     }
     mesh.add_triangle(3 * f, 3 * f + 1, 3 * f + 2);
   }
-  answer.note(bytes.size() - size, "bytes after the last facet are left out");
+  answer.note(bytes.size() - size, "byte{s} after the last facet {is|are} left out");
   return answer;
 }
 

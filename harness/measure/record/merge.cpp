@@ -7,6 +7,7 @@
 #include "measure/paths.h"
 #include "measure/record/scene_place.h"
 #include "measure/scene/blob.h"
+#include "measure/scene/load.h"
 
 namespace gnomon {
 
@@ -100,12 +101,13 @@ void note_scenes(Merge& merge) {
   for (const auto& [scene, lights] : hashes) {
     std::size_t most = 0;
     for (const auto& [light, all] : lights) most = std::max(most, all.size());
-    if (most > 1) merge.notes.push_back(fmt::format("scene {} has {} contents: its rows are not comparable", scene, most));
+    if (most > 1)
+      merge.notes.push_back(fmt::format("{} has {} contents: its rows are not comparable", scene_in_words(scene), most));
   }
   for (const auto& [scene, folders] : missing)
     if (hashes.contains(scene))
-      merge.notes.push_back(fmt::format("scene {} was there for some rows and not for {}: fetch it there and --resume that run",
-                                        scene, joined(folders, ", ")));
+      merge.notes.push_back(fmt::format("{} was there for some rows and not for {}: fetch it there and --resume that run",
+                                        scene_in_words(scene), joined(folders, ", ")));
 }
 
 /// A hole in the numbering of a suite's rows. Rows missing after the last one cannot be detected.

@@ -7,6 +7,7 @@
 #include "measure/paths.h"
 #include "measure/record/scene_place.h"
 #include "measure/scene/channels.h"
+#include "measure/scene/load.h"
 #include "measure/worker/machine_context.h"
 
 namespace gnomon {
@@ -41,7 +42,7 @@ std::string objection(const Record& kept, const Record& fresh) {
   const bool is_alike =
       kept.scene == fresh.scene && kept.light == fresh.light && kept.start.has_value() == fresh.start.has_value();
   if (is_alike && !scene.empty() && scene != context_text(fresh, "scene_hash"))
-    return fmt::format("scene {} has changed since {} was run", fresh.scene, title(kept));
+    return fmt::format("{} has changed since {} was run", scene_in_words(fresh.scene), title(kept));
   if (kept.truth != fresh.truth) return fmt::format("its rows have the truth {}, not {}", name(kept.truth), name(fresh.truth));
   return {};
 }

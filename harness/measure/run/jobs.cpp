@@ -75,7 +75,7 @@ std::vector<std::string> views_of(const std::vector<std::string>& words, const s
     if (!is_pattern(word)) require_words({word}, there, "view", reference);
     const auto is_wanted = [&](const std::string& name) { return is_like(name, word); };
     if (std::ranges::none_of(there, is_wanted))
-      throw Error("scene {} has no view whose name is like {}; it has: {}", reference, word, joined(there, ", "));
+      throw Error("{} has no view whose name is like {}; it has: {}", scene_in_words(reference), word, joined(there, ", "));
     for (const std::string& name : there)
       if (is_wanted(name) && std::ranges::find(views, name) == views.end()) views.push_back(name);
   }

@@ -4,6 +4,7 @@
 #include <gnomon/param.h>
 
 #include "measure/scene/channels.h"
+#include "measure/scene/load.h"
 #include "measure/scene/names.h"
 
 namespace gnomon {
@@ -34,12 +35,12 @@ class Words {
       if (is_of_kind ? has_area(light) == is_soft : is_like(light.name, word)) found.push_back(light.name);
     if (!found.empty()) return found;
     if (is_of_kind)
-      throw Error("scene {} has no light {} area, which {} asks for; it has: {}", scene_name_, is_soft ? "with" : "without",
-                  word, joined(names_));
+      throw Error("{} has no light {} area, which {} asks for; it has: {}", scene_in_words(scene_name_),
+                  is_soft ? "with" : "without", word, joined(names_));
     if (word.find('*') != word.npos)
-      throw Error("scene {} has no light whose name is like {}; it has: {}", scene_name_, word, joined(names_));
-    throw Error("scene {} has no light {}; did you mean {}? It has: {}", scene_name_, word, nearest_word(word, names_),
-                joined(names_));
+      throw Error("{} has no light whose name is like {}; it has: {}", scene_in_words(scene_name_), word, joined(names_));
+    throw Error("{} has no light {}; did you mean {}? It has: {}", scene_in_words(scene_name_), word,
+                nearest_word(word, names_), joined(names_));
   }
 
   /// The row of a word with `+`.
@@ -79,8 +80,8 @@ class Words {
         row.lights.push_back(light);
       }
     if (row.lights.size() > most_lights)
-      throw Error("lights {} of scene {} are {}; a row has at most {} lights together", word, scene_name_, row.lights.size(),
-                  most_lights);
+      throw Error("lights {} of {} are {}; a row has at most {} lights together", word, scene_in_words(scene_name_),
+                  row.lights.size(), most_lights);
     return row;
   }
 

@@ -1,5 +1,6 @@
 #include <gnomon/error.h>
 
+#include "measure/counted.h"
 #include "measure/part_file.h"
 #include "measure/program/plugin_facts.h"
 #include "measure/record/scene_place.h"
@@ -39,9 +40,10 @@ void require_effort(const fs::path& out, const Record& record, const Suite& suit
   const auto processes = static_cast<int>(record.times(Stage::resolve).size());
   const bool has_more = record.stop == "target" || record.stop == "budget";  // than were fixed
   if (has_more ? processes < suite.processes : processes != suite.processes)
-    refuse(out, fmt::format("{} was run with {} processes, not {}", title(record), processes, suite.processes));
+    refuse(out, fmt::format("{} was run with {}, not {}", title(record), counted(processes, "process{es}"), suite.processes));
   if (const auto repetitions = repetitions_of(record); repetitions && *repetitions != suite.repetitions)
-    refuse(out, fmt::format("{} was run with {} repetitions, not {}", title(record), *repetitions, suite.repetitions));
+    refuse(out,
+           fmt::format("{} was run with {}, not {}", title(record), counted(*repetitions, "repetition{s}"), suite.repetitions));
 }
 
 /// How the code that measured a row differs from this program's; "" where it does not. Rows without a hash have their commit.
@@ -132,7 +134,8 @@ Earlier earlier_rows(const RunOptions& options, SceneLibrary& library, std::span
       std::string& hash = hashes[{record.scene, record.light, moves}];
       if (hash.empty()) hash = scene_hash(*entry.scene, light_names(record), moves ? WithMotion::yes : WithMotion::no);
       if (then != hash)
-        throw Error("scene {} has changed since {} was run: run it into another --out", record.scene, options.out.string());
+        throw Error("{} has changed since {} was run: run it into another --out", scene_in_words(record.scene),
+                    options.out.string());
     }
     if (is_of_run && record.suite != options.suite.name)
       refuse(options.out, fmt::format("it holds rows of suite {}, not {}", record.suite, options.suite.name));

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "measure/scene/channels.h"
+#include "measure/scene/load.h"
 #include "measure/scene/motion.h"
 #include "measure/scene/names.h"
 #include "measure/scene/time_reference.h"
@@ -30,13 +31,13 @@ int frames_to_end(const Animation& animation, double start, double frame_rate) {
 /// An animation of a group by name. Throws Error with the nearest name, and where the name is that of something else.
 void require_animation(const Scene& scene, const std::string& reference, const std::string& name) {
   if (!scene.motion || scene.motion->animations.empty())
-    throw Error("scene {} has no animation{}; animations = {} follow a scene that moves", reference,
+    throw Error("{} has no animation{}; animations = {} follow a scene that moves", scene_in_words(reference),
                 without_time(reference) == reference ? "" : ": it is a still", name);
   const std::vector<std::string> there = names_of(scene.motion->animations);
   const bool is_path = std::ranges::find(built_in_paths, name) != std::end(built_in_paths) || find_named(scene.paths, name);
   if (is_path)
-    throw Error("{} is a path of scene {}, not an animation: name it in paths; its animations are {}", name, reference,
-                joined(there, ", "));
+    throw Error("{} is a path of {}, not an animation: name it in paths; its animations are {}", name,
+                scene_in_words(reference), joined(there, ", "));
   require_words({name}, there, "animation", reference);
 }
 
@@ -79,8 +80,8 @@ RowPath checked_path(const Scene& scene, const std::string& reference, const std
     case Path::Moves::light:
       for (const RowLights& row : rows) {
         if (const std::size_t count = whole_count(row.lights); count > 1)
-          throw Error("path {} of scene {} moves the light, and {} is {} lights: a row on such a path has one", name, reference,
-                      row.name, count);
+          throw Error("path {} of {} moves the light, and {} is {} lights: a row on such a path has one", name,
+                      scene_in_words(reference), row.name, count);
         const Light& light = *find_named(scene.lights, row.lights.front());
         check_frames(path_of(light, some_view), light, some_view, scene, reference);
       }

@@ -8,6 +8,7 @@
 #include <iterator>
 #include <numbers>
 
+#include "measure/counted.h"
 #include "measure/paths.h"
 #include "measure/printable.h"
 #include "measure/scene/base_scene.h"
@@ -187,15 +188,16 @@ Bounds add_meshes(const fs::path& file, MeshFile& raw, const Placement& placemen
 /// Adds the notes of the child, and those of the counts.
 void add_notes(const std::string& name, const MeshFile& raw, const NoteCounts& counts, Scene& scene) {
   const auto note = [&](std::size_t count, const char* what) {
-    if (count > 0) scene.notes.push_back(fmt::format("{}: {} {}", name, count, what));
+    if (count > 0) scene.notes.push_back(fmt::format("{}: {}", name, counted(count, what)));
   };
   for (const std::string& words : raw.notes) scene.notes.push_back(fmt::format("{}: {}", name, printable(words, true)));
-  note(counts.short_faces, "points and lines are left out");
-  note(counts.self_crossing_polygons, "polygons cross themselves and are split as fans");
-  note(counts.odd_colors, "meshes have a color outside of 0 .. 1, in place of which they have the usual one");
-  note(counts.textured, "triangles have textures, which are not used: cut-out leaves and grids are opaque");
-  note(counts.transparent, "triangles are of transparent material and stop light all the same");
-  note(counts.masked_glass, "meshes have a mask and a transmission; what is solid of them transmits");
+  note(counts.short_faces, "{point or line is|points and lines are} left out");
+  note(counts.self_crossing_polygons,
+       "polygon{s} {crosses itself and is split as a fan|cross themselves and are split as fans}");
+  note(counts.odd_colors, "mesh{es} {has|have} a color outside of 0 .. 1, in place of which {it has|they have} the usual one");
+  note(counts.textured, "triangle{s} {has|have} textures, which are not used: cut-out leaves and grids are opaque");
+  note(counts.transparent, "triangle{s} {is|are} of transparent material and {stops|stop} light all the same");
+  note(counts.masked_glass, "mesh{es} {has|have} a mask and a transmission; what is solid transmits");
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <fstream>
 #include <numeric>
 
+#include "measure/counted.h"
 #include "measure/scene/base_scene.h"
 
 namespace gnomon {
@@ -114,13 +115,16 @@ void FileMasks::finish(const std::string& name, Scene& scene) const {
   if (masked_ == 0 && (choice_.cutoff || choice_.scale != 1))
     throw Error("{}: has no mesh with a mask; a cutoff and a scale are of masks", file_);
   const auto note = [&](std::size_t count, const char* what) {
-    if (count > 0) scene.notes.push_back(fmt::format("{}: {} {}", name, count, what));
+    if (count > 0) scene.notes.push_back(fmt::format("{}: {}", name, counted(count, what)));
   };
-  note(without_alpha_, "meshes have a mask whose image has no alpha; they are solid");
-  note(without_hole_, "meshes have a mask without a hole; they are solid");
-  note(without_solid_, "meshes have a mask without a solid texel; they stop no light");
-  note(masked_duplicates_, "triangles of masked meshes are exact duplicates of others and are merged");
-  note(other_duplicates_, "triangles of meshes that let light through are exact duplicates of others and are merged");
+  note(without_alpha_, "mesh{es} {has|have} a mask whose image has no alpha; {it is|they are} solid");
+  note(without_hole_, "mesh{es} {has|have} a mask without a hole; {it is|they are} solid");
+  note(without_solid_, "mesh{es} {has|have} a mask without a solid texel; {it stops|they stop} no light");
+  note(masked_duplicates_,
+       "triangle{s} of masked meshes {is an exact duplicate of another and is|are exact duplicates of others and are} merged");
+  note(other_duplicates_,
+       "triangle{s} of meshes that let light through {is an exact duplicate of another and is|are exact duplicates of others "
+       "and are} merged");
 }
 
 /// The same three vertices in any order: winding never decides.

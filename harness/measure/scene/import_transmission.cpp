@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include "measure/counted.h"
 #include "measure/scene/byte_shares.h"
 
 namespace gnomon {
@@ -171,10 +172,11 @@ void FileTransmissions::finish(const std::string& file, const std::string& name,
   if (transmitting_ == 0 && choice_.seen)
     throw Error("{}: has no mesh that lets light through; whether it is seen is said of such alone", file);
   const auto note = [&](std::size_t count, const char* what) {
-    if (count > 0) scene.notes.push_back(fmt::format("{}: {} {}", name, count, what));
+    if (count > 0) scene.notes.push_back(fmt::format("{}: {}", name, counted(count, what)));
   };
-  if (!chosen_) note(opaque_, "meshes are of transparent material of which no texel lets light through; they are opaque");
-  note(empty_, "meshes let all light through; they stop none");
+  if (!chosen_)
+    note(opaque_, "mesh{es} {is|are} of transparent material of which no texel lets light through; {it is|they are} opaque");
+  note(empty_, "mesh{es} {lets|let} all light through; {it stops|they stop} none");
 }
 
 }  // namespace gnomon

@@ -8,6 +8,7 @@
 #include <fstream>
 #include <set>
 
+#include "measure/counted.h"
 #include "measure/paths.h"
 #include "measure/scene/base_scene.h"
 #include "measure/scene/channels.h"
@@ -225,7 +226,7 @@ void finish_scene(Scene& scene, const std::string& where) {
   finish_meshes(scene);
   std::size_t dropped = 0;
   for (const Mesh& mesh : scene.meshes) dropped += mesh.facts.degenerate_count;
-  if (dropped > 0) scene.notes.push_back(fmt::format("{} triangles without area are dropped", dropped));
+  if (dropped > 0) scene.notes.push_back(counted(dropped, "triangle{s} without area {is|are} dropped"));
   drop_empty_meshes(scene);
   for (const Mesh& mesh : scene.meshes)
     if (!mesh.casts && !mesh.seen)

@@ -33,6 +33,8 @@ const Item& named_or_first(const std::vector<Item>& items, const std::string& na
 /// Whether a reference names a file, of a description, of meshes, or anything with a slash in it; else it is an id. Its time
 /// does not count.
 bool names_file(const std::string& reference);
+/// A scene as messages name it: "scene fence", and a file by its path alone, "scenes/fence.toml".
+std::string scene_in_words(const std::string& reference);
 
 /// One scene as `gnomon list scenes` shows it.
 struct SceneListing {

@@ -124,7 +124,7 @@ namespace {
 
 /// The frame as errors name it.
 std::string frame_name(const std::string& scene, const Path& path, int frame) {
-  return fmt::format("scene {}, path {}, frame {}", scene, path.name, frame);
+  return fmt::format("{}, path {}, frame {}", scene_in_words(scene), path.name, frame);
 }
 
 void check_poses(const Path& path, const Scene& scene, const std::string& name) {

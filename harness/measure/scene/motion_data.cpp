@@ -10,6 +10,7 @@
 #include <set>
 #include <span>
 
+#include "measure/counted.h"
 #include "measure/printable.h"
 #include "measure/scene/base_scene.h"
 #include "measure/scene/import_masks.h"
@@ -272,7 +273,9 @@ void merge_duplicates(Scene& scene) {
     merged += corners.size() - kept;
     mesh.triangles.resize(kept);
   }
-  if (merged > 0) scene.notes.push_back(fmt::format("{} triangles of meshes that move lie on others and are merged", merged));
+  if (merged > 0)
+    scene.notes.push_back(
+        counted(merged, "triangle{s} of meshes that move {lies on another and is|lie on others and are} merged"));
 }
 
 void finish_meshes(Scene& scene) {

@@ -5,6 +5,7 @@
 #include <cctype>
 
 #include "measure/scene/channels.h"
+#include "measure/scene/load.h"
 
 namespace gnomon {
 
@@ -17,8 +18,8 @@ void require_words(const std::vector<std::string>& wanted, const std::vector<std
                    const std::string& reference) {
   for (const std::string& name : wanted)
     if (std::ranges::find(there, name) == there.end())
-      throw Error("scene {} has no {} {}; did you mean {}? It has: {}", reference, what, name, nearest_word(name, there),
-                  joined(there, ", "));
+      throw Error("{} has no {} {}; did you mean {}? It has: {}", scene_in_words(reference), what, name,
+                  nearest_word(name, there), joined(there, ", "));
 }
 
 void require_names(const std::string& reference, const Scene& scene, const std::vector<std::string>& lights,

@@ -283,6 +283,8 @@ bool names_file(const std::string& reference) {
   return scene.extension() == ".toml" || scene.string().find('/') != std::string::npos || is_mesh_file_name(scene);
 }
 
+std::string scene_in_words(const std::string& reference) { return names_file(reference) ? reference : "scene " + reference; }
+
 bool is_fetched(const std::string& reference) {
   try {
     check_fetched(reference, 0);

@@ -76,7 +76,8 @@ std::vector<std::string> at_times(const std::vector<std::string>& scenes, const 
   std::vector<std::string> references;
   for (const std::string& scene : scenes) {
     const TimedReference timed = split_time(scene);
-    if (timed.at && !times.empty()) throw Error("scene {} has a time already, and gets another: {}", scene, times.front());
+    if (timed.at && !times.empty())
+      throw Error("{} has a time already, and gets another: {}", scene_in_words(scene), times.front());
     if (times.empty()) references.push_back(timed.at ? with_time(timed.scene, *timed.at) : scene);
     for (const double seconds : times) references.push_back(with_time(scene, {animation, seconds}));
   }

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "measure/counted.h"
 #include "report/analysis/analysis_table_parts.h"
 #include "report/table/digits.h"
 
@@ -194,7 +195,8 @@ Tables front_tables(std::span<const Record> records, const AnalysisOptions& opti
   if (options.cost != Cost::bytes) table.notes.emplace_back(interval_note);
   add_error_notes(table, error, fields);
   if (hidden > 0)
-    table.notes.push_back(fmt::format("{} settings that are beaten or constant are not shown; --all shows them", hidden));
+    table.notes.push_back(
+        counted(hidden, "setting{s} that {is|are} beaten or constant {is|are} not shown; --all shows {it|them}"));
   return {table};
 }
 

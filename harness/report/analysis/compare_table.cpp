@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 
+#include "measure/counted.h"
 #include "measure/score/metrics.h"
 #include "report/table/digits.h"
 #include "report/table/layout.h"
@@ -206,17 +207,15 @@ std::string markdown(const Comparison& comparison, const CompareTableOptions& op
 
 std::string summary_line(const Comparison& comparison) {
   const Comparison::Counts n = comparison.counts();
-  std::string text = fmt::format("{} rows matched", n.matched);
+  std::string text = counted(n.matched, "row{s}") + " matched";
   if (n.missing) text += fmt::format(", {} missing", n.missing);
   if (n.added) text += fmt::format(", {} new", n.added);
   if (n.status) text += fmt::format(", {} of another status", n.status);
-  text += fmt::format("; {} times judged: {} slower, {} faster; {} with other errors", n.judged, n.slower, n.faster,
-                      n.changed_rows == 1 ? "1 row" : fmt::format("{} rows", n.changed_rows));
+  text += fmt::format("; {} judged: {} slower, {} faster; {} with other errors", counted(n.judged, "time{s}"), n.slower,
+                      n.faster, counted(n.changed_rows, "row{s}"));
   if (n.rows_of_other_work > 0) text += fmt::format(", {} with other work", n.rows_of_other_work);
   if (n.overall > 0) text += fmt::format("; over all scenes {} slower, {} faster", n.overall_slower, n.overall_faster);
-  return text + fmt::format("; {}", n.regressions == 0   ? "no regression"
-                                    : n.regressions == 1 ? "1 regression"
-                                                         : fmt::format("{} regressions", n.regressions));
+  return text + fmt::format("; {}", n.regressions == 0 ? "no regression" : counted(n.regressions, "regression{s}"));
 }
 
 std::string render_comparison(const Comparison& comparison, Format format, const CompareTableOptions& options) {

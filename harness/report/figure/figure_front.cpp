@@ -1,4 +1,5 @@
 // Error against cost: every setting a mark with its interval, the front a staircase. A panel for each kind of light.
+#include "measure/counted.h"
 #include "report/figure/figure_script.h"
 
 namespace gnomon {
@@ -59,7 +60,7 @@ class FrontPanel {
   }
 
   void set_axes(FigureScript& script, bool is_only) const {
-    const std::string over = field_.place ? "" : fmt::format(", geometric mean over {} places", field_.places);
+    const std::string over = field_.place ? "" : ", geometric mean over " + counted(field_.places, "place{s}");
     const std::string x_label = fmt::format("{} ({}){}", sentence(options_.cost), cost_column_.shown_unit, is_only ? over : "");
     script.add("set xlabel {}", FigureScript::quoted(x_label));
     script.add("set ylabel {}", FigureScript::quoted(axis_label(error_column_) + (field_.place ? "" : ", mean")));
@@ -156,7 +157,8 @@ class FrontPanel {
 
 /// Over which places, where there are two panels.
 std::string title_of(const Field& field, std::span<const Place> places) {
-  return field.place ? title(*field.place, places) : fmt::format("{} places under {}", field.places, lights_text(field.answer));
+  return field.place ? title(*field.place, places)
+                     : fmt::format("{} under {}", counted(field.places, "place{s}"), lights_text(field.answer));
 }
 
 }  // namespace

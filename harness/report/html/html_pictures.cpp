@@ -283,7 +283,7 @@ class Collector {
   void take_causes(const Record& r, Answer& answer, const Record::LightFacts& light) {
     // A version is that of the whole run: one note for each scene.
     if (const std::string obstacle = causes_obstacle(r); !obstacle.empty())
-      return say(fmt::format("no causes of scene {}: {}", r.scene, obstacle));
+      return say(fmt::format("no causes of {}: {}", scene_in_words(r.scene), obstacle));
     answer.causes = kept_causes(r, dir_ / *r.mask, light);
   }
 

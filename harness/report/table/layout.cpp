@@ -1,7 +1,9 @@
 #include "report/table/layout.h"
 
 #include "analysis/in_order.h"
+#include "measure/counted.h"
 #include "measure/frame/classify.h"
+#include "measure/scene/load.h"
 #include "report/table/digits.h"
 
 namespace gnomon {
@@ -12,14 +14,14 @@ namespace {
 constexpr double most_uncertain_share = 0.01;
 
 std::string group_heading(const Record& r) {
-  std::string text = fmt::format("scene {}", r.scene);
-  if (r.scene_facts) text += fmt::format(" ({} triangles)", r.scene_facts->triangles);
+  std::string text = scene_in_words(r.scene);
+  if (r.scene_facts) text += fmt::format(" ({})", counted(r.scene_facts->triangles, "triangle{s}"));
   if (!r.light.empty()) text += fmt::format(", light {}", r.light);
   if (!r.light_kind.empty() && r.light_kind != r.light) text += fmt::format(" ({})", r.light_kind);
   if (!r.view.empty()) text += fmt::format(", view {}", r.view);
   if (!r.path.empty()) text += fmt::format(", path {}", r.path);
   if (moves_geometry(r)) text += fmt::format(" from {} s at {} Hz", r.start.value_or(0), *r.frame_rate);
-  if (r.frame_count) text += fmt::format(", {} frames", *r.frame_count);
+  if (r.frame_count) text += ", " + counted(*r.frame_count, "frame{s}");
   if (r.width > 0) text += fmt::format(", {} x {}", r.width, r.height);
   return text + fmt::format(", {} truth", name(r.truth));
 }
@@ -173,8 +175,8 @@ void add_shorthands(Layout& layout, std::span<const Record> records, bool has_nu
   add("rays_per_second", "rays", "millions of rays traced in a second: count rays over relight and resolve");
   if (has("resolve_device_ms") || has("clocks"))
     if (const auto count = std::ranges::count(records, std::optional(false), clocks_agree); count > 0)
-      say("clocks", fmt::format("device and host contradict each other in {} row{}: do not trust their times (column clocks)",
-                                count, count == 1 ? "" : "s"));
+      say("clocks", fmt::format("device and host contradict each other in {}: do not trust their times (column clocks)",
+                                counted(count, "row{s}")));
   add("error", "error", "mean difference from the reference over the tested pixels; rows are judged by it");
   if (any_is(records, AnswerKind::binary))
     add("wrong_rate", "wrong", "share of the tested pixels that are dark where the reference is lit, or lit where it is dark");

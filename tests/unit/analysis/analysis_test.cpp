@@ -168,12 +168,12 @@ TEST(front, over_all_places_means_are_of_the_same_scenes) {
   EXPECT_EQ(fields[2].places, 1u);
   EXPECT_EQ(fields[2].all_places, 2u);
   EXPECT_NEAR(fields[2].candidates[0].error, 0.1, 1e-12);
-  EXPECT_EQ(fields[2].notes, std::vector<std::string>{"not among the 1 places: hard, point (partial: not in the run)"});
+  EXPECT_EQ(fields[2].notes, std::vector<std::string>{"not among the 1 place: hard, point (partial: not in the run)"});
   more.push_back(row("partial", 1, 1, 0.01, "hard"));
   more.back().status = Status::failed;
   more.back().reason = "it crashed";
   EXPECT_EQ(find_fields(more, {})[2].notes,
-            std::vector<std::string>{"not among the 1 places: hard, point (partial: failed, it crashed)"});
+            std::vector<std::string>{"not among the 1 place: hard, point (partial: failed, it crashed)"});
   more.pop_back();
   // Who shares no place with the others is left out, and said.
   more.back().scene = "elsewhere";

@@ -132,7 +132,7 @@ TEST(GltfMask, a_missing_image_is_noted_and_the_card_is_solid) {
   card.image = R"({"uri":"nowhere/leaf.png"})";
   const MeshFile file = card.read();
   EXPECT_FALSE(file.meshes.at(0).mask.has_image());
-  EXPECT_TRUE(has_note(file, "1 images of masks are not there ('leaf.png' is one)"));
+  EXPECT_TRUE(has_note(file, "1 image of masks is not there ('leaf.png' is one)"));
   card.image = R"({"uri":"/"})";
   expect_words(card.read().mask_images.at(0).failure, {"is a directory"});
 }
@@ -141,7 +141,7 @@ TEST(GltfMask, alpha_of_vertices_is_noted) {
   Card card;
   EXPECT_FALSE(has_note(card.read(), "color with alpha"));
   card.more_attributes = R"(,"COLOR_0":3)";
-  EXPECT_TRUE(has_note(card.read(), "1 vertices of masked meshes have a color with alpha"));
+  EXPECT_TRUE(has_note(card.read(), "1 vertex of masked meshes has a color with alpha"));
 }
 
 // The file is read: a description may take the mesh for solid, and whoever uses the mask is told why there is none.
@@ -195,7 +195,7 @@ TEST(ObjMask, v_is_turned_around_and_a_vertex_with_two_coordinates_is_two) {
   EXPECT_TRUE(file.mask_images[0].is_gray_alpha);
   EXPECT_EQ(mesh.mask.cutoff, 0.5f);
   EXPECT_EQ(mesh.mask.factor, 1);
-  EXPECT_TRUE(has_note(file, "1 materials have a mask (map_d), and the format has no cutoff"));
+  EXPECT_TRUE(has_note(file, "1 material has a mask (map_d), and the format has no cutoff"));
 }
 
 TEST(ObjMask, without_a_mask_nothing_changes) {
@@ -232,7 +232,7 @@ TEST(ObjMask, options_precede_a_name_that_may_have_blanks) {
   EXPECT_EQ(file.meshes.at(0).mask.wrap_u, AlphaMask::Wrap::clamp);
   EXPECT_EQ(file.meshes[0].mask.factor, 1) << "d is that of the solid part";
   EXPECT_EQ(file.meshes[0].transmission.alpha, 0.75);
-  EXPECT_TRUE(has_note(file, "1 materials have a mask with options that are not used"));
+  EXPECT_TRUE(has_note(file, "1 material has a mask with options that are not used"));
 }
 
 TEST(ObjMask, a_missing_image_is_noted) {
@@ -241,7 +241,7 @@ TEST(ObjMask, a_missing_image_is_noted) {
   const MeshFile file = folder.read(square + "usemtl leaf\nf 1/1 2/2 3/3\n");
   EXPECT_FALSE(file.meshes.at(0).mask.has_image());
   EXPECT_TRUE(file.meshes[0].has_texture);
-  EXPECT_TRUE(has_note(file, "1 materials have a mask whose image is not there ('leaf' is one); they are solid"));
+  EXPECT_TRUE(has_note(file, "1 material has a mask whose image is not there and is solid ('leaf' is one)"));
 }
 
 }  // namespace alpha_mask_formats_test

@@ -146,7 +146,7 @@ RC_GTEST_PROP(Ply, reads_the_same_in_every_form, ()) {
   const Model model = random_model();
   const MeshFile file = read("model.ply", ply_of(model));
   RC_ASSERT(faces_of(file) == faces_of(model));
-  RC_ASSERT(file.notes == std::vector<std::string>{"2 'camera' elements are left out"});
+  RC_ASSERT(file.notes == std::vector<std::string>{"2 elements are left out: 'camera'"});
 }
 
 RC_GTEST_PROP(Obj, reads_the_same_however_its_lines_are_written, ()) {
@@ -266,9 +266,8 @@ TEST(Formats, lines_after_the_end_are_noted) {
   const std::string ply =
       "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
       "element face 1\nproperty list uchar int vertex_index\nend_header\n0 0 0 9\n1 0 0\n0 1 0\n3 0 1 2\n3 0 2 1\n";
-  EXPECT_EQ(read("a.ply", ply).notes,
-            (std::vector<std::string>{"1 lines hold more than their properties; the rest of them is left out",
-                                      "1 lines after the last element are left out"}));
+  EXPECT_EQ(read("a.ply", ply).notes, (std::vector<std::string>{"1 line holds more than the properties; the rest is left out",
+                                                                "1 line after the last element is left out"}));
 }
 
 TEST(Obj, objects_groups_and_materials_become_meshes) {
@@ -298,9 +297,9 @@ TEST(Obj, what_is_no_face_is_counted) {
   const MeshFile file =
       read("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 1 2\np 1 2 3\nl 1 2 3\nsurf 0 1 0 1 1 2 3\nnonsense 3\n");
   EXPECT_EQ(file.notes, (std::vector<std::string>{
-                            "5 points and lines are left out", "1 faces have fewer than three corners and are left out",
-                            "1 free-form curves and surfaces are left out",
-                            "1 lines open with a word that is unknown to OBJ ('nonsense' of line 9) and are left out"}));
+                            "5 points and lines are left out", "1 face has fewer than three corners and is left out",
+                            "1 free-form curve or surface is left out",
+                            "1 line opens with a word that is unknown to OBJ and is left out ('nonsense' of line 9)"}));
 }
 
 TEST(Ply, counts_of_strips_are_whole_numbers) {

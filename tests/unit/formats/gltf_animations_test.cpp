@@ -53,7 +53,7 @@ TEST(GltfAnimations, names_are_plain_and_unique) {
   EXPECT_EQ(names(read), (std::vector<std::string>{"walk_cycle", "walk_cycle_2", "animation", "animation_2", "walk_cycle_3",
                                                    "walk_cycle_2_2"}));
   EXPECT_EQ(read.notes, (std::vector<std::string>{"6 animations move meshes; SCENE@SECONDS is a still at a time",
-                                                  "1 animations move no mesh and are left out"}));
+                                                  "1 animation moves no mesh and is left out"}));
 }
 
 TEST(GltfAnimations, what_moves_no_mesh_is_noted_and_left_out) {
@@ -75,13 +75,13 @@ TEST(GltfAnimations, what_moves_no_mesh_is_noted_and_left_out) {
   ASSERT_EQ(read.motion.animations.size(), 1u);
   EXPECT_EQ(read.motion.animations[0].tracks.size(), 1u);
   EXPECT_EQ(read.notes, (std::vector<std::string>{
-                            "1 nodes with meshes stand outside of the default scene and are left out",
-                            "1 nodes with meshes or lights are hidden by KHR_node_visibility and left out",
-                            "1 animations move meshes; SCENE@SECONDS is a still at a time",
+                            "1 node with meshes stands outside of the default scene and is left out",
+                            "1 node with meshes or lights is hidden by KHR_node_visibility and left out",
+                            "1 animation moves meshes; SCENE@SECONDS is a still at a time",
                             "4 channels of animations move no mesh and are left out",
-                            "1 channels of animations have no node and are left out",
-                            "1 channels of animations are of KHR_animation_pointer and are left out",
-                            "1 cameras and lights are at nodes that animations move, and stay where the file has them",
+                            "1 channel of animations has no node and is left out",
+                            "1 channel of animations is of KHR_animation_pointer and is left out",
+                            "1 camera or light is at a node that animations move, and stays where the file has it",
                         }));
 }
 
@@ -90,7 +90,7 @@ TEST(GltfAnimations, keys_may_have_the_time_of_the_key_before) {
   file.add(0, "translation", {0, 1, 1, 2}, std::vector<float>(12), "LINEAR");
   const MeshFile read = file.read();
   EXPECT_EQ(read.motion.animations.at(0).tracks.at(0).times, (std::vector<double>{0, 1, 1, 2}));
-  expect_words(read.notes.at(1), {"1 keys of animations have the time of the key before"});
+  expect_words(read.notes.at(1), {"1 key of animations has the time of the key before"});
 }
 
 TEST(GltfAnimations, one_key_and_very_many_are_read) {

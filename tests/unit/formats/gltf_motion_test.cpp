@@ -45,7 +45,7 @@ TEST(GltfMotion, nodes_come_with_their_parents_first) {
   EXPECT_EQ(track.times, (std::vector<double>{0, 1}));
   EXPECT_EQ(track.values, (std::vector<double>{0, 0, 0, 0, 5, 0}));
   EXPECT_EQ(places_at_rest(read.motion)[2], read.meshes[0].places.at(0));
-  EXPECT_EQ(read.notes, std::vector<std::string>{"1 animations move meshes; SCENE@SECONDS is a still at a time"});
+  EXPECT_EQ(read.notes, std::vector<std::string>{"1 animation moves meshes; SCENE@SECONDS is a still at a time"});
 }
 
 TEST(GltfMotion, a_rigid_mesh_needs_no_base) {
@@ -189,7 +189,7 @@ TEST(GltfMotion, the_node_of_a_mesh_with_a_skin_moves_nothing) {
   EXPECT_TRUE(read.motion.nodes.empty());
   EXPECT_TRUE(read.meshes.at(0).joints.empty());
   EXPECT_EQ(read.meshes[0].joints_per_vertex, 0u);
-  EXPECT_EQ(read.notes, std::vector<std::string>{"1 animations move no mesh and are left out"});
+  EXPECT_EQ(read.notes, std::vector<std::string>{"1 animation moves no mesh and is left out"});
   file.channel()["target"]["node"] = 1;  // above a joint
   read = file.read();
   EXPECT_EQ(read.meshes.at(0).nodes, std::vector<std::uint32_t>{0});

@@ -126,8 +126,8 @@ TEST(Gltf, what_stands_outside_of_the_default_scene_is_noted) {
   file.json["animations"] = parse_json(R"([{},{}])");
   file.json["cameras"] = parse_json(R"([{"type":"perspective","perspective":{"yfov":1,"znear":1}}])");
   EXPECT_EQ(file.read().notes,
-            (std::vector<std::string>{"1 nodes with meshes stand outside of the default scene and are left out",
-                                      "1 cameras stand at no node of the scene and are left out",
+            (std::vector<std::string>{"1 node with meshes stands outside of the default scene and is left out",
+                                      "1 camera stands at no node of the scene and is left out",
                                       "2 animations move no mesh and are left out"}));
 }
 
@@ -145,7 +145,7 @@ TEST(Gltf, skins_put_vertices_where_their_joints_are) {
   MeshFile read = file.read();
   EXPECT_EQ(read.meshes.at(0).places.at(0), glm::dmat4(1)) << "the mesh's own place counts for nothing";
   EXPECT_EQ(read.meshes[0].positions, (std::vector<glm::dvec3>{{10, 0, 0}, {1, 10, 0}, {5, 6, 0}, {0.5, 5.5, 0}}));
-  expect_words(read.notes.at(0), {"1 vertices", "sum is not 1"});
+  expect_words(read.notes.at(0), {"1 vertex has weights", "sum is not 1"});
   file.json["skins"] = parse_json(R"([{"joints":[1]}])");
   expect_words(file.error(), {"vertex 1 names joint 1 of 1"});
 }
@@ -207,8 +207,7 @@ TEST(Gltf, hidden_nodes_and_all_below_them_are_noted) {
   file.json["scenes"][0]["nodes"] = Json::array({0, 1});
   const MeshFile read = file.read();
   EXPECT_EQ(read.meshes.at(0).places.size(), 1u);
-  EXPECT_EQ(read.notes,
-            std::vector<std::string>{"1 nodes with meshes or lights are hidden by KHR_node_visibility and left out"});
+  EXPECT_EQ(read.notes, std::vector<std::string>{"1 node with meshes or lights is hidden by KHR_node_visibility and left out"});
 }
 
 TEST(Gltf, numbers_that_do_not_fit_name_their_accessor) {

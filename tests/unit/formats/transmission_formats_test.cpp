@@ -109,7 +109,7 @@ TEST(GltfTransmission, defaults_are_those_of_the_format) {
   EXPECT_FALSE(pane.transmission().is_there());
   pane.material = R"(,"extensions":{"KHR_materials_transmission":{"transmissionFactor":1}})";
   EXPECT_EQ(pane.transmission().metallic, 1);
-  const char* const is_metal = "1 materials have KHR_materials_transmission and a metallicFactor of 1, the format's default";
+  const char* const is_metal = "1 material has KHR_materials_transmission and a metallicFactor of 1, the format's default";
   EXPECT_TRUE(has_note(pane.read(), is_metal));
   EXPECT_EQ(pane.transmission().color, glm::dvec3(1));
   EXPECT_EQ(pane.transmission().wrap_u, AlphaMask::Wrap::repeat);
@@ -129,7 +129,7 @@ TEST(GltfTransmission, images_with_other_places_or_another_wrap_are_noted_and_le
                     more + "}}}";
     return pane.read();
   };
-  const char* const words = "1 textures of transmission have other places or another wrap than the color's";
+  const char* const words = "1 texture of transmission has other places or another wrap than the color's";
   EXPECT_FALSE(has_note(with(""), words));
   const std::string turned = R"(,"extensions":{"KHR_texture_transform":{"offset":[0.5,0]}})";
   for (const std::string& more : {std::string(R"(,"texCoord":1)"), turned}) {
@@ -162,20 +162,20 @@ TEST(GltfTransmission, a_mask_keeps_its_bits_and_transmits_where_it_is_solid) {
   EXPECT_EQ(file.meshes[0].transmission.alpha, 1) << "the mask is the alpha";
   EXPECT_EQ(file.meshes[0].transmission.transmission, 0.5);
   EXPECT_EQ(file.meshes[0].mask.image, file.meshes[0].transmission.color_image);
-  EXPECT_TRUE(has_note(file, "1 materials have a mask and KHR_materials_transmission"));
+  EXPECT_TRUE(has_note(file, "1 material has a mask and KHR_materials_transmission"));
 }
 
 TEST(GltfTransmission, volume_and_colors_of_vertices_are_noted) {
   Pane pane;
   pane.material = R"(,"extensions":{"KHR_materials_transmission":{"transmissionFactor":1},
       "KHR_materials_volume":{"thicknessFactor":0.1}})";
-  EXPECT_TRUE(has_note(pane.read(), "1 materials have a volume (KHR_materials_volume) and are read as thin surfaces"));
+  EXPECT_TRUE(has_note(pane.read(), "1 material has a volume (KHR_materials_volume) and is read as a thin surface"));
   for (const char* accessor : {"2", "3"}) {
     pane.more_attributes = fmt::format(R"(,"COLOR_0":{})", accessor);
     pane.color = 1;
-    EXPECT_FALSE(has_note(pane.read(), "have a color"));
+    EXPECT_FALSE(has_note(pane.read(), "a color, which is not used"));
     pane.color = 0.5f;
-    EXPECT_TRUE(has_note(pane.read(), "1 vertices of meshes that transmit light have a color, which is not used")) << accessor;
+    EXPECT_TRUE(has_note(pane.read(), "1 vertex of meshes that transmit light has a color, which is not used")) << accessor;
   }
 }
 
@@ -188,11 +188,11 @@ TEST(GltfTransmission, missing_images_are_noted_and_the_factors_count) {
   EXPECT_FALSE(file.meshes.at(0).transmission.has_image());
   EXPECT_EQ(file.meshes[0].transmission.alpha, 0.25);
   EXPECT_TRUE(file.meshes[0].uv.empty());
-  EXPECT_TRUE(has_note(file, "1 images of transmission are not there ('pane.png' is one); the factors of their materials"));
+  EXPECT_TRUE(has_note(file, "1 image of transmission is not there ('pane.png' is one); the factors of their materials"));
   EXPECT_FALSE(file.meshes[0].has_texture) << "there is none";
   EXPECT_FALSE(has_note(file, "alpha of 1"));
   pane.material = R"(,"pbrMetallicRoughness":{"baseColorTexture":{"index":0}})";
-  EXPECT_TRUE(has_note(pane.read(), "1 materials of alphaMode BLEND have an alpha of 1 without their image; they are opaque"));
+  EXPECT_TRUE(has_note(pane.read(), "1 material of alphaMode BLEND has an alpha of 1 without the image; it is opaque"));
 }
 
 // The file is read: a description may take the mesh for opaque, and whoever uses its glass is told.
@@ -255,8 +255,8 @@ TEST(ObjTransmission, a_part_outside_of_0_to_1_fails_the_transmission_alone) {
 TEST(ObjTransmission, halo_and_filter_are_noted_where_the_material_lets_light_through) {
   const Folder folder;
   EXPECT_EQ(folder.alpha("d -halo 0.5\n"), 0.5);
-  EXPECT_TRUE(has_note(folder.read("d -halo 0.5\n"), "1 materials have d -halo, which is read as d"));
-  const char* const words = "1 materials have a filter (Tf), which is not used";
+  EXPECT_TRUE(has_note(folder.read("d -halo 0.5\n"), "1 material has d -halo, which is read as d"));
+  const char* const words = "1 material has a filter (Tf), which is not used";
   for (const char* filter : {"Tf 0 1 0\n", "Tf 0.5\n", "Tf xyz 1 1 1\n", "Tf spectral green.rfl\n"})
     EXPECT_TRUE(has_note(folder.read(std::string("d 0.5\n") + filter), words)) << filter;
   for (const char* material : {"d 0.5\nTf 1 1.0 1.000\n", "d 0.5\n", "Tf 0 1 0\n"})
@@ -269,7 +269,7 @@ TEST(ObjTransmission, what_is_solid_of_a_mask_transmits) {
   EXPECT_EQ(file.meshes.at(0).mask.factor, 1) << "d would count twice";
   EXPECT_EQ(file.meshes[0].transmission.alpha, 0.25);
   EXPECT_FALSE(file.meshes[0].transmission.has_image());
-  EXPECT_TRUE(has_note(file, "1 materials have a mask (map_d) and d or Tr: what is solid of them transmits 1 - d"));
+  EXPECT_TRUE(has_note(file, "1 material has a mask (map_d) and d or Tr: what is solid transmits 1 - d"));
   EXPECT_FALSE(has_note(folder.read("map_d leaf.png\n"), "transmits"));
 }
 

@@ -198,11 +198,11 @@ TEST(AlphaMaskLoad, exact_duplicates_are_merged_and_others_stay) {
 TEST(AlphaMaskLoad, masks_without_a_hole_and_without_alpha_are_noted) {
   const Folder folder;
   folder.write("leaf.png", png_of(1, {255}));
-  EXPECT_TRUE(has_note(folder.read_card(""), "card.obj: 1 meshes have a mask without a hole; they are solid"));
+  EXPECT_TRUE(has_note(folder.read_card(""), "card.obj: 1 mesh has a mask without a hole; it is solid"));
   EXPECT_FALSE(folder.read_card("").has_alpha_masks());
   EXPECT_TRUE(has_note(folder.read(plane + "mask = \"leaf.png\"\n"), "its mask leaf.png has no hole"));
   folder.write("leaf.png", png_of(1, {0}));
-  EXPECT_TRUE(has_note(folder.read_card(""), "1 meshes have a mask without a solid texel; they stop no light"));
+  EXPECT_TRUE(has_note(folder.read_card(""), "1 mesh has a mask without a solid texel; it stops no light"));
 }
 
 TEST(AlphaMaskLoad, brightness_is_no_alpha_in_gltf) {
@@ -223,7 +223,7 @@ TEST(AlphaMaskLoad, brightness_is_no_alpha_in_gltf) {
   folder.write("leaf.png", png(2, 1, 8, 0, std::string("\0\xff", 2)));
   const Scene solid = folder.read(mesh);
   EXPECT_FALSE(solid.has_alpha_masks());
-  EXPECT_TRUE(has_note(solid, "a.gltf: 1 meshes have a mask whose image has no alpha; they are solid"));
+  EXPECT_TRUE(has_note(solid, "a.gltf: 1 mesh has a mask whose image has no alpha; it is solid"));
   EXPECT_EQ(bits(folder.read(mesh + "mask = \"leaf.png\"\n")), ".#") << "a description takes brightness";
 }
 

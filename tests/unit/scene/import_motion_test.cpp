@@ -305,7 +305,7 @@ TEST(import_motion, triangles_that_a_masked_mesh_has_twice_are_merged) {
   EXPECT_EQ(scene.meshes[0].triangles.size(), 1u);
   EXPECT_EQ(scene.meshes[0].uv.size(), 3u);
   EXPECT_EQ(scene.motion->rigs[0].base.size(), 3u);
-  EXPECT_TRUE(has_note(scene, "exact duplicates"));
+  EXPECT_TRUE(has_note(scene, "1 triangle of masked meshes is an exact duplicate"));
 }
 
 // --- what does not change ---

@@ -95,7 +95,7 @@ TEST(motion_data, glass_that_parts_is_merged_where_it_lies_on_other_glass_alone)
   Scene rest = scene, start = scene, later = scene;
   merge_duplicates(rest);
   EXPECT_EQ(rest.meshes[0].triangles.size(), 1u);
-  EXPECT_EQ(rest.notes, std::vector<std::string>{"1 triangles of meshes that move lie on others and are merged"});
+  EXPECT_EQ(rest.notes, std::vector<std::string>{"1 triangle of meshes that move lies on another and is merged"});
   freeze(start, {"part", 0});
   EXPECT_EQ(start.meshes[0].triangles.size(), 1u);
   freeze(later, {"part", 1});

@@ -178,6 +178,8 @@ TEST_F(TimedScene, files_are_known_by_their_names_whatever_the_time) {
     EXPECT_TRUE(names_file(fmt::format("{}@1.5", scene)));
     EXPECT_TRUE(names_file(fmt::format("{}@walk=1.5", scene)));
   }
+  EXPECT_EQ(scene_in_words("scene/office.toml@1.5"), "scene/office.toml@1.5");
+  EXPECT_EQ(scene_in_words("fence@1.5"), "scene fence@1.5");
   EXPECT_FALSE(names_file("fence@1.5"));
   EXPECT_FALSE(names_file("swarm:count=3@fly=1"));
 }

@@ -78,12 +78,12 @@ TEST(TransmissionLoad, a_metal_and_a_full_alpha_are_opaque) {
   EXPECT_FALSE(folder.of_gltf(R"("extensions":{"KHR_materials_transmission":{"transmissionFactor":1}})"));
   const Scene metal = folder.read(gltf);
   EXPECT_TRUE(metal.meshes[0].seen);
-  EXPECT_TRUE(has_note(metal, "a.gltf: 1 meshes are of transparent material of which no texel lets light through"));
-  EXPECT_TRUE(has_note(metal, "1 materials have KHR_materials_transmission and a metallicFactor of 1"));
+  EXPECT_TRUE(has_note(metal, "a.gltf: 1 mesh is of transparent material of which no texel lets light through"));
+  EXPECT_TRUE(has_note(metal, "1 material has KHR_materials_transmission and a metallicFactor of 1"));
   folder.write_gltf(R"("alphaMode":"BLEND","pbrMetallicRoughness":{"baseColorFactor":[1,1,1,0]})");
   const Scene nothing = folder.read(gltf);
   EXPECT_EQ(values(nothing), std::vector<float>{1});
-  EXPECT_TRUE(has_note(nothing, "a.gltf: 1 meshes let all light through; they stop none"));
+  EXPECT_TRUE(has_note(nothing, "a.gltf: 1 mesh lets all light through; it stops none"));
 }
 
 TEST(TransmissionLoad, a_mask_decides_where_the_glass_of_gltf_is) {
@@ -106,13 +106,13 @@ TEST(TransmissionLoad, notes_on_textures_speak_of_those_that_are_not_used) {
   folder.write_gltf(blend + "[1,1,1,1]}");
   const Scene missing = folder.read(gltf);
   EXPECT_FALSE(missing.meshes.at(0).transmission);
-  EXPECT_TRUE(has_note(missing, "1 images of transmission are not there ('0.png' is one)"));
-  EXPECT_TRUE(has_note(missing, "1 materials of alphaMode BLEND have an alpha of 1 without their image; they are opaque"));
+  EXPECT_TRUE(has_note(missing, "1 image of transmission is not there ('0.png' is one)"));
+  EXPECT_TRUE(has_note(missing, "1 material of alphaMode BLEND has an alpha of 1 without the image; it is opaque"));
   EXPECT_FALSE(has_note(missing, unused));
   folder.write_gltf(blend + "[1,1,1,0.5]}");
   const Scene half = folder.read(gltf);
   EXPECT_EQ(values(half), std::vector<float>{0.5f});
-  EXPECT_FALSE(has_note(half, "they are opaque") || has_note(half, unused));
+  EXPECT_FALSE(has_note(half, "it is opaque") || has_note(half, unused));
   folder.write("0.png", png(1, 2, {9, 255}));
   EXPECT_EQ(values(folder.read(gltf)), std::vector<float>{0.5f});
   EXPECT_FALSE(has_note(folder.read(gltf), unused)) << "it was read, and is the same everywhere";
@@ -171,9 +171,9 @@ TEST(TransmissionLoad, a_masked_obj_transmits_where_it_is_solid) {
 TEST(TransmissionLoad, a_mask_beside_a_transmission_is_noted) {
   const Folder folder;
   folder.write("leaf.png", png(2, 1, {255, 0}));
-  const std::string both = "mask = \"leaf.png\"\ntransmission = 0.5\n", solid = "have a mask and a transmission; what is solid";
+  const std::string both = "mask = \"leaf.png\"\ntransmission = 0.5\n", solid = "a mask and a transmission; what is solid";
   EXPECT_TRUE(has_note(folder.read(plane + both), "it has a mask and a transmission; what is solid of it transmits"));
-  EXPECT_TRUE(has_note(folder.read(pane + both), "pane.obj: 1 meshes " + solid));
+  EXPECT_TRUE(has_note(folder.read(pane + both), "pane.obj: 1 mesh has " + solid));
   EXPECT_FALSE(has_note(folder.read(plane + "transmission = 0.5\n" + pane), solid));
   folder.write("pane.mtl", "newmtl pane\nd 0.25\nmap_d leaf.png\n");
   EXPECT_FALSE(has_note(folder.read(pane), solid)) << "the reader of the format has noted it";
@@ -193,7 +193,7 @@ TEST(TransmissionLoad, exact_duplicates_are_merged_and_others_stay) {
                "mtllib pane.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 0\nv 0 0 1\nusemtl pane\nf 1 2 3\nf 3 2 4\nf 1 2 5\n");
   const Scene scene = folder.read(pane);
   EXPECT_EQ(scene.meshes.at(0).triangles.size(), 2u) << "the second is the first from behind";
-  EXPECT_TRUE(has_note(scene, "pane.obj: 1 triangles of meshes that let light through are exact duplicates of others"));
+  EXPECT_TRUE(has_note(scene, "pane.obj: 1 triangle of meshes that let light through is an exact duplicate of another"));
   EXPECT_EQ(folder.read(pane + "transmission = false\n").meshes.at(0).triangles.size(), 3u);
 }
 
