@@ -1,7 +1,9 @@
 #!/usr/bin/python3 -IB
 """Runs that are stopped: what was finished stays, --resume does the rest, and nobody is left behind."""
 
+import json
 import os
+import shutil
 import signal
 import sys
 import unittest
@@ -13,6 +15,8 @@ from program import HARD, PATIENCE, ProgramTest, measured, records, wait_until, 
 SCENES = ["single_triangle", "soup:count=50", "sphere_over_plane"]
 RUN = ["run", *HARD, *[word for scene in SCENES for word in ("--scene", scene)], "--technique", "unshadowed", "--technique", "shadow_map",
        "--processes", "3", "--repetitions", "2", "--size", "160x90", "--out", "out"]
+BATCH = ["run", *HARD, "--scene", "soup:count=50", "--technique", "unshadowed", "--technique", "shadow_map", "--processes", "12",
+         "--size", "160x90", "--out", "out"]
 ROWS = 4 * len(SCENES)  # two lights, two techniques
 
 
@@ -62,6 +66,48 @@ class Stopped(ProgramTest):
         whole = self.lines()
         self.succeed(*RUN, "--resume")  # nothing is left to do
         self.assertEqual(self.lines(), whole)
+
+    def stop_within_a_batch(self):
+        """Stops a run of one batch after its second process; returns what it has left, by job."""
+        file = self.dir / "out/unfinished.jsonl"
+
+        def kept():  # the file is replaced as a whole
+            return [json.loads(line) for line in file.read_text().splitlines()] if file.exists() else []
+
+        program = self.start(*BATCH, "--repetitions", "2", start_new_session=True)
+        wait_until(lambda: any(len(row["stages"]["resolve"]) >= 2 for row in kept()), "two processes")
+        os.kill(program.pid, signal.SIGKILL)
+        program.communicate(timeout=PATIENCE)
+        self.assert_gone()
+        self.assertEqual(self.lines(), [])  # no row has come to its end
+        return {row["job"]: row for row in kept()}
+
+    def test_a_killed_run_repeats_no_process_that_had_ended(self):
+        kept = self.stop_within_a_batch()
+        self.succeed(*BATCH, "--repetitions", "2", "--resume")
+        rows = records(self.dir / "out")
+        self.assertEqual({row["job"] for row in rows}, set(kept))
+        for row in rows:
+            self.assertEqual((row["status"], len(row["stages"]["resolve"]), row["stop"]), ("ok", 12, "fixed"))
+            self.assertNotIn("effort", row["context"])
+            for stage, processes in kept[row["job"]]["stages"].items():
+                self.assertGreaterEqual(len(processes), 2 if stage != "update" else 0)
+                self.assertEqual(row["stages"][stage][:len(processes)], processes, stage)
+            self.assertEqual(row["metrics"], kept[row["job"]]["metrics"])
+        self.assertFalse((self.dir / "out/unfinished.jsonl").exists())
+
+    def test_processes_of_another_effort_or_without_their_pictures_are_repeated(self):
+        kept = self.stop_within_a_batch()
+        lost = next(row for row in kept.values() if row["light"] == "sun")
+        (self.dir / "out" / lost["mask"]).unlink()
+        self.succeed(*BATCH, "--repetitions", "2", "--resume")
+        again = {row["job"]: row["stages"]["resolve"][:2] != kept[row["job"]]["stages"]["resolve"][:2] for row in records(self.dir / "out")}
+        self.assertEqual([job for job, is_again in again.items() if is_again], [lost["job"]])
+        shutil.rmtree(self.dir / "out")
+        kept = self.stop_within_a_batch()
+        self.succeed(*BATCH, "--repetitions", "3", "--resume")
+        for row in records(self.dir / "out"):
+            self.assertEqual([len(process) for process in row["stages"]["resolve"]], [3] * 12)
 
     def test_a_torn_last_line_is_mended_and_its_row_done_again(self):
         self.succeed(*RUN)

@@ -15,9 +15,12 @@ namespace {
 /// once per process; a contender that fails gets a new worker for its next row.
 class Batch {
  public:
-  Batch(SceneRun& run, const Suite& suite, std::span<const Side> sides, std::vector<PendingRow>& rows, Progress& progress)
-      : run_(run), suite_(suite), sides_(sides), rows_(rows), progress_(progress) {
+  Batch(SceneRun& run, const Suite& suite, std::span<const Side> sides, std::vector<PendingRow>& rows, Progress& progress,
+        const std::function<void()>& ran)
+      : run_(run), suite_(suite), sides_(sides), rows_(rows), progress_(progress), ran_(ran) {
     for (PendingRow& row : rows_) {
+      if (const int done = row.over ? suite_.processes : std::min(row.processes, suite_.processes); done > 0)
+        progress_.advance(done);
       const auto same = [&](const PendingRow* known) {
         return known->side == row.side && known->job.contender.name() == row.job.contender.name();
       };
@@ -52,20 +55,15 @@ class Batch {
 
  private:
   void execute_process() {
+    if (std::ranges::none_of(rows_, [this](const PendingRow& row) { return is_due(row); })) return;
     start_workers();
     builds_.clear();
-    std::vector<std::string> frames;  // in order of first appearance
-    std::map<std::string, std::vector<PendingRow*>> groups;
-    for (PendingRow& row : rows_) {
-      std::vector<PendingRow*>& group = groups[timed_together(row.job)];
-      if (group.empty()) frames.push_back(timed_together(row.job));
-      group.push_back(&row);
-    }
-    for (const std::string& frame : frames) {
-      std::erase_if(groups[frame], [](const PendingRow* row) { return !is_due(*row); });
-      time_group(groups[frame]);
+    for (std::vector<PendingRow*>& group : timed_groups(rows_)) {
+      std::erase_if(group, [this](const PendingRow* row) { return !is_due(*row); });
+      if (!group.empty()) time_group(group);
     }
     workers_.clear();
+    ran_();
   }
 
   /// Marks the rows that need another process. Returns whether there are any.
@@ -74,11 +72,11 @@ class Batch {
     for (const PendingRow& row : rows_)
       if (!row.over && !is_narrow(row.record, suite_.interval)) jobs.insert(row.job.hash);
     for (PendingRow& row : rows_) row.is_wanted = jobs.contains(row.job.hash);
-    return std::ranges::any_of(rows_, is_due);
+    return std::ranges::any_of(rows_, [](const PendingRow& row) { return row.is_wanted && !row.over; });
   }
 
   /// Whether the row takes part in the process that runs now.
-  static bool is_due(const PendingRow& row) { return row.is_wanted && !row.over; }
+  bool is_due(const PendingRow& row) const { return row.is_wanted && !row.over && row.processes <= process_; }
 
   /// Removes the numbers of a row that is not ok, which would be taken for results, and its pictures.
   void give_up(PendingRow& row, Status status) {
@@ -331,6 +329,7 @@ class Batch {
   std::span<const Side> sides_;
   std::vector<PendingRow>& rows_;
   Progress& progress_;
+  const std::function<void()>& ran_;
   std::vector<const PendingRow*> contenders_;              ///< the first row of each contender on each side
   std::vector<std::unique_ptr<ContenderWorker>> workers_;  ///< by contender; null when it failed or none is needed
   int process_ = 0;
@@ -341,8 +340,8 @@ class Batch {
 }  // namespace
 
 double run_batch(SceneRun& run, const Suite& suite, std::span<const Side> sides, std::vector<PendingRow>& rows,
-                 Progress& progress, double budget) {
-  Batch batch(run, suite, sides, rows, progress);
+                 Progress& progress, double budget, const std::function<void()>& ran) {
+  Batch batch(run, suite, sides, rows, progress, ran);
   batch.execute();
   return suite.interval > 0 ? batch.refine(budget) : 0;
 }

@@ -21,6 +21,17 @@ bool is_narrow(const Record& record, double interval) {
 
 int most_processes(const Suite& suite) { return std::max(4 * suite.processes, 8); }
 
+std::vector<std::vector<PendingRow*>> timed_groups(std::vector<PendingRow>& rows) {
+  std::map<std::string, std::size_t> numbers;
+  std::vector<std::vector<PendingRow*>> groups;
+  for (PendingRow& row : rows) {
+    const std::size_t number = numbers.try_emplace(timed_together(row.job), groups.size()).first->second;
+    if (number == groups.size()) groups.emplace_back();
+    groups[number].push_back(&row);
+  }
+  return groups;
+}
+
 double share_overhead(std::vector<PendingRow>& batch, double seconds) {
   double processes = 0;
   const auto count = [](const PendingRow& row) {

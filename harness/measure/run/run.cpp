@@ -9,6 +9,7 @@
 #include "measure/run/batch.h"
 #include "measure/run/estimate.h"
 #include "measure/run/run_file.h"
+#include "measure/run/unfinished.h"
 #include "measure/scene/blob.h"
 #include "measure/worker/machine_context.h"
 
@@ -50,7 +51,18 @@ struct RowsPlan {
   std::function<std::vector<Json>()> contexts;
   /// Takes a batch whose rows are complete, and the seconds beside the rows by process; none where its scene is not fetched.
   std::function<void(const std::vector<PendingRow>& batch, std::optional<double> opening)> done;
+  UnfinishedRows* unfinished = nullptr;  ///< where rows wait for the rest of their processes; none where nothing is resumed
 };
+
+/// Keeps the rows of a batch as they are after a process. Where they cannot be written, a stop costs more, and no result.
+void keep_unfinished(const RowsPlan& plan, std::span<const PendingRow> batch, Progress& progress) {
+  if (!plan.unfinished) return;
+  try {
+    plan.unfinished->write(batch);
+  } catch (const Error& error) {
+    progress.say(error.what());
+  }
+}
 
 /// Runs rows that have their job and side, scene by scene in the order of first appearance, in batches. Processes beyond the
 /// suite's fixed ones share its budget: every batch may spend its part of what is left. Scenes are forgotten when done.
@@ -90,6 +102,7 @@ void run_rows(std::vector<PendingRow> rows, const RowsPlan& plan, Progress& prog
           row.record.context["frames"] = frame_version();
           if (const auto path = path_to_scene(plan.sides[row.side].out, plan.scenes.place_of(scene)))
             row.record.context["scene_file"] = *path;
+          if (plan.unfinished) plan.unfinished->go_on(row);
         } else {
           row.record.status = Status::unsupported;
           row.record.reason = entry.missing;
@@ -99,15 +112,19 @@ void run_rows(std::vector<PendingRow> rows, const RowsPlan& plan, Progress& prog
       std::optional<double> opening;
       if (run) {
         const auto opened = std::chrono::steady_clock::now();
+        double seconds = 0;  // of the rows in an earlier run
+        for (const PendingRow& row : batch) seconds += row.record.seconds.value_or(0);
         const double allowance = budget * static_cast<double>(batch.size()) / static_cast<double>(rows_left);
-        budget -= run_batch(*run, plan.suite, plan.sides, batch, progress, allowance);
-        opening = share_overhead(batch, seconds_since(opened));
+        const auto ran = [&] { keep_unfinished(plan, batch, progress); };
+        budget -= run_batch(*run, plan.suite, plan.sides, batch, progress, allowance, ran);
+        opening = share_overhead(batch, seconds + seconds_since(opened));
       }
       rows_left -= batch.size();
       plan.done(batch, opening);
     }
     plan.scenes.forget(scene);
   }
+  keep_unfinished(plan, {}, progress);
 }
 
 }  // namespace
@@ -148,6 +165,11 @@ RunSummary run_suite(const RunOptions& options, SceneLibrary& library, Progress&
   remove_unfinished_pictures(options.out);
   RunSummary summary;
   summary.left_out = suite.left_out;
+  std::set<std::string> waiting;  // jobs of the suite that may go on where a run was killed
+  if (options.resume)
+    for (const Job& job : suite.jobs)
+      if (!earlier.done.contains(job.hash)) waiting.insert(job.hash);
+  UnfinishedRows unfinished(options.out, options.suite, waiting, options.retry_failed);
   std::vector<PendingRow> rows;
   for (const Job& job : jobs) {
     if (earlier.done.contains(job.hash))
@@ -172,7 +194,7 @@ RunSummary run_suite(const RunOptions& options, SceneLibrary& library, Progress&
       progress.say(error.what());
     }
   };
-  run_rows(std::move(rows), {options.suite, library, {&side, 1}, options.out, contexts, keep}, progress);
+  run_rows(std::move(rows), {options.suite, library, {&side, 1}, options.out, contexts, keep, &unfinished}, progress);
   writer.close();
   summary.seconds = seconds_since(start);
   return summary;
