@@ -37,6 +37,9 @@ class Words(ProgramTest):
                         says=["single_triangl ", "did you mean single_triangle?"])
         self.refuse_run("--scene", "soup:cout=5", "--technique", "unshadowed", says=["cout", "did you mean count?", "seed"])
         self.refuse_run("--scene", "soup", "--technique", "shadow_mop", says=["shadow_mop", "did you mean shadow_map?"])
+        for names in (["unshadowed", "svbsp"], ["shadow_map:resolution={64,128},filter=pcf", "svbsp:order=tiles"], ["unshadowed", "svbps"], ["*", "cycles"]):
+            self.refuse_run("--scene", "soup", "--technique", ",".join(names),
+                            says=["2 techniques", "is repeated: " + " ".join(f"--technique {name}" for name in names)])
         self.refuse_run("--scene", "soup", "--technique", "shadow_map:filtr=pcf", says=["filtr", "did you mean filter?"])
         self.refuse_run(*ANY, "--light", "pint", says=["single_triangle", "light pint", "did you mean point?", "sun"])
         self.refuse_run("quik", says=["suite quik", "did you mean quick?", "standard"])

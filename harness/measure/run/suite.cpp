@@ -224,6 +224,30 @@ class SweepNames {
   std::vector<std::size_t> rows_;  ///< where each begins
 };
 
+/// The techniques that a text names side by side: "a:b=1,c" names "a:b=1" and "c". One where it is as it should be.
+std::vector<std::string> techniques_in(const std::string& text) {
+  std::vector<std::string> parts(1);
+  int depth = 0;  // commas within braces are of a sweep
+  for (const char c : text) {
+    depth += (c == '{') - (c == '}');
+    if (c == ',' && depth == 0)
+      parts.emplace_back();
+    else
+      parts.back() += c;
+  }
+  std::vector<std::string> techniques;
+  for (const std::string& part : parts) {
+    const std::string id = part.substr(0, part.find_first_of(":="));
+    const bool is_setting = id.empty() || (id.size() < part.size() && part[id.size()] == '=');
+    const auto is_technique = [&] { return registry().find_technique(id) || techniques.back().find(':') == std::string::npos; };
+    if (techniques.empty() || (!is_setting && is_technique()))
+      techniques.push_back(part);
+    else
+      techniques.back() += ',' + part;
+  }
+  return techniques;
+}
+
 }  // namespace
 
 std::string file_text(const fs::path& file) {
@@ -253,6 +277,9 @@ std::vector<Contender> parse_contenders(const std::string& text, const std::stri
       if (!entry.about.named_only) all.push_back({entry.id, "", "", true});
     return all;
   }
+  if (const std::vector<std::string> several = techniques_in(text); several.size() > 1)
+    throw Error("'{}' names {} techniques; where several are taken, the option is repeated: --technique {}", text,
+                several.size(), joined(several, " --technique "));
   const std::vector<std::string> plain = expand_braces(text);
   if (plain.size() > 1 && !label.empty()) throw Error("label {} would name {} rows of the sweep {}", label, plain.size(), text);
   std::vector<Contender> contenders;
