@@ -11,7 +11,7 @@ enum class Drop { shared, cut, none };
 
 /// How a tree is made.
 struct Rules {
-  Epsilons epsilon;
+  Epsilons epsilon = {};
   Drop drop = Drop::shared;
   bool is_ordered = false;     ///< pieces come front to back: what reaches an IN cell is in shadow
   std::size_t tile_size = 16;  ///< pieces of a tile on average; those with more are split. 0: no tiles
