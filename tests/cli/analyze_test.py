@@ -243,8 +243,11 @@ class Analyze(ProgramTest):
         self.assertEqual(len(rows), 6)
         self.assertEqual([(row["parameter.bias"], row["parameter.resolution"]) for row in rows if row["best"] == "true"],
                          [("1", "1024")])
-        self.assertRegex(self.succeed("analyze", run, "map"), r"(?m)^1024 +11\.0 +0\.98\* +11\.0")
-        self.assertRegex(self.succeed("analyze", run, "map", "--x", "resolution", "--facet", "bias"), "bias=2")
+        text = self.succeed("analyze", run, "map")
+        self.assertRegex(text, r"(?m)^1024 +11\.0 +0\.98\* +11\.0")
+        self.assertRegex(text, r"\Aerror in %, mean over 1 place\n\nshadow_map: resolution \(rows\) against bias \(columns\)\n\nresolution +0 +1 +2\n")
+        self.assertRegex(self.succeed("analyze", run, "map", "--x", "resolution", "--facet", "bias"),
+                         r"(?m)^shadow_map: resolution; bias=2\n\n +256 +1024$")
 
     def test_a_sweep_is_a_line_a_setting_for_people_and_a_row_a_point_for_programs(self):
         run = self.run_of(*(record(name, f"composite:object=cone,light_x={x}", wrong=rate * x)

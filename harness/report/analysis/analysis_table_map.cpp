@@ -64,7 +64,10 @@ Tables map_tables(std::span<const Record> records, const AnalysisOptions& option
     if (&map == &maps.front() || format == Format::latex) table.title = map_title(map, quantity);
     table.columns.push_back(text_column(map.y, map.y));
     for (const std::string& x : map.xs) table.columns.push_back(at_value(quantity, x));
-    Layout::Group& group = table.groups.emplace_back(Layout::Group{.heading = map_heading(map)});
+    // On a terminal a group's heading is below the head of its table, and each map has a head of its own.
+    const std::string heading = map_heading(map);
+    if (format == Format::terminal) table.title += (table.title.empty() ? "" : "\n\n") + heading;
+    Layout::Group& group = table.groups.emplace_back(Layout::Group{.heading = format == Format::terminal ? "" : heading});
     for (std::size_t y = 0; y < map.ys.size(); ++y) {
       Cells& cells = group.rows.emplace_back().cells;
       cells.push_back({.value = map.ys[y]});
