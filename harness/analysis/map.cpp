@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "analysis/in_order.h"
+#include "measure/counted.h"
 
 namespace gnomon {
 
@@ -105,6 +106,36 @@ Map make_map(const std::vector<Setting>& members, const Axes& axes, const std::s
   return map;
 }
 
+/// A line for each place that means leave out, the first few of many, with a setting that has no value there.
+std::vector<std::string> notes_on_missing(const std::vector<Setting>& settings, const Axes& axes,
+                                          const std::set<Place>& places) {
+  constexpr std::size_t most = 6;
+  std::vector<Place> all;
+  for (const Setting& setting : settings)
+    for (const auto& [place, measured] : setting.measured) add_once(all, place);
+  std::vector<std::string> named{axes.x};
+  if (!axes.y.empty()) named.push_back(axes.y);
+  named.insert(named.end(), axes.facets.begin(), axes.facets.end());
+  const auto name_of = [&named](const Setting& setting) {
+    std::vector<std::string> parts;
+    for (const std::string& parameter : named) parts.push_back(fmt::format("{}={}", parameter, setting.values.at(parameter)));
+    return joined(parts, ",");
+  };
+  std::vector<std::string> notes;
+  std::size_t missing = 0;
+  for (const Place& place : all) {
+    if (places.contains(place) || ++missing > most) continue;
+    std::vector<std::string> without;
+    for (const Setting& setting : settings)
+      if (!setting.measured.contains(place)) without.push_back(name_of(setting));
+    notes.push_back(fmt::format("not among the {}: {} (no value of {}{})", counted(places.size(), "place{s}"),
+                                title(place, all), without.front(),
+                                without.size() > 1 ? ", and of " + counted(without.size() - 1, "more setting{s}") : ""));
+  }
+  if (missing > most) notes.push_back("and " + counted(missing - most, "more place{s}"));
+  return notes;
+}
+
 /// Marks the cells that no other one of these maps is better than.
 void mark_best(std::span<Map> maps, std::string_view direction) {
   if (direction.empty()) return;
@@ -133,6 +164,7 @@ void make_technique_maps(const std::string& technique, const std::vector<Setting
     maps.push_back(make_map(members, axes, places));
     maps.back().technique = technique;
   }
+  maps[first_map].notes = notes_on_missing(settings, axes, places);
   mark_best(std::span(maps).subspan(first_map), better(options.metric));
 }
 
@@ -188,7 +220,7 @@ std::string Map::facet_text() const {
 std::string places_text(const Map& map) {
   const std::size_t with_area = map.places_with_fractions;
   return fmt::format(
-      "{} place{}{}", map.places, map.places == 1 ? "" : "s",
+      "{}{}", counted(map.places, "place{s}"),
       with_area == 0 || with_area == map.places ? "" : fmt::format(", {} of them under lights with area", with_area));
 }
 

@@ -26,6 +26,8 @@ struct Map {
   std::vector<Cell> cells;                ///< xs.size() * ys.size(), row by row of y
   std::size_t places = 0;                 ///< that the means cover
   std::size_t places_with_fractions = 0;  ///< of these, whose answer is a fraction; 0 where lights are an axis
+  /// Of the first map of a technique: the places that the means leave out, and whose values are missing there.
+  std::vector<std::string> notes = {};
 
   std::string facet_text() const;  ///< "size=1024, pcf=3"
   const Cell& at(std::size_t x_index, std::size_t y_index) const { return cells[y_index * xs.size() + x_index]; }

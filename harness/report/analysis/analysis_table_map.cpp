@@ -17,6 +17,7 @@ std::string map_title(const Map& map, const Column& quantity) {
 Layout map_rows(const std::vector<Map>& maps, const Column& quantity) {
   Layout table;
   table.title = map_title(maps.front(), quantity);
+  for (const Map& map : maps) table.notes.insert(table.notes.end(), map.notes.begin(), map.notes.end());
   std::vector<std::string> parameters;
   for (const Map& map : maps) {
     std::vector<std::string> here{map.x, map.y};
@@ -62,6 +63,7 @@ Tables map_tables(std::span<const Record> records, const AnalysisOptions& option
   for (const Map& map : maps) {
     Layout& table = tables.emplace_back();
     if (&map == &maps.front() || format == Format::latex) table.title = map_title(map, quantity);
+    table.notes = map.notes;
     table.columns.push_back(text_column(map.y, map.y));
     for (const std::string& x : map.xs) table.columns.push_back(at_value(quantity, x));
     // On a terminal a group's heading is below the head of its table, and each map has a head of its own.

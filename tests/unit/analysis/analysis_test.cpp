@@ -296,6 +296,25 @@ TEST(map, what_else_varies_becomes_a_facet) {
   EXPECT_EQ(make_maps(records, {.x = "size"}).size(), 4u);
 }
 
+TEST(map, places_that_the_means_leave_out_are_named) {
+  std::vector<Record> records;
+  for (const int mode : {1, 2})
+    for (const int size : {256, 512, 1024})
+      for (const char* scene : {"one", "two", "three"})
+        if (std::string_view(scene) != "two" || size == 512 || mode == 2)
+          records.push_back(row(fmt::format("map:size={},mode={},unused=3", size, mode), 1, 1, 0.1, scene));
+  const std::vector<Map> maps = make_maps(records, {.x = "size"});
+  ASSERT_EQ(maps.size(), 2u);
+  EXPECT_EQ(maps[0].places, 2u);
+  EXPECT_EQ(maps[0].notes, std::vector<std::string>{
+                               "not among the 2 places: two, point (no value of size=256,mode=1, and of 1 more setting)"});
+  EXPECT_EQ(maps[1].notes, std::vector<std::string>()) << "said of the technique";
+  for (const Format format : {Format::terminal, Format::markdown, Format::latex, Format::json})
+    EXPECT_TRUE(has(analyze(records, "map", {.x = "size"}, format), "and of 1 more setting"));
+  std::erase_if(records, [](const Record& r) { return r.scene == "two"; });
+  EXPECT_EQ(make_maps(records, {.x = "size"})[0].notes, std::vector<std::string>());
+}
+
 TEST(map, nothing_to_map_is_an_error) {
   EXPECT_THROW(make_maps(std::vector{row("a", 1, 1, 0.1)}, {}), Error);
   const std::vector<Record> records{row("a:k=1", 1, 1, 0.1), row("a:k=2", 1, 1, 0.1)};
