@@ -128,6 +128,11 @@ void add_error_columns(std::vector<std::string>& names, std::span<const Record> 
     names.insert(names.end(), {"light_error_max", "received_error_rms", "flip", "ssim"});
 }
 
+/// Of techniques that remember frames: their error once nothing changes any more. And how long the error of a jump lasts.
+void add_memory_columns(std::vector<std::string>& names, std::span<const Record> records) {
+  add_known(names, records, {"error_settled", "ghost_half_life", "ghost_frames"});
+}
+
 /// What is defined under lights with area alone.
 void add_soft_columns(std::vector<std::string>& names, std::span<const Record> records) {
   if (any_is(records, AnswerKind::fraction))
@@ -187,6 +192,9 @@ void add_shorthands(Layout& layout, std::span<const Record> records, bool has_nu
   add("light_error_max", "worst light", "the largest error of one light's mask");
   add("received_error_rms", "received error rms",
       "root mean square of the difference in irradiance, as a share of the reference's");
+  add("error_settled", "error settled", "mean error of the last 16 of 64 frames in which nothing moves");
+  add("ghost_half_life", "ghost half life", "frames after a jump until half of the error that it adds is gone");
+  add("ghost_frames", "ghost frames", "frames after a jump until the error is at most 1.1 times that before");
   add("error_floor", "error floor", floor_note);
   add("other_error_mean", "other error",
       "difference from the light's share of irradiance, or from its share of area where the technique estimates irradiance");
@@ -235,6 +243,7 @@ std::vector<std::string> headline_columns(std::span<const Record> records, bool 
   }
   names.insert(names.end(), {"bytes", "peak_bytes"});
   add_error_columns(names, records);
+  add_memory_columns(names, records);
   const bool with_hard = has_wrong_pixels(records);
   if (with_hard) names.insert(names.end(), {"wrong_rate_all", "false_dark_rate", "false_lit_rate"});
   if (std::ranges::any_of(records, [](const Record& r) { return !top_causes(r).empty(); })) names.emplace_back("causes");

@@ -32,12 +32,15 @@ constexpr std::string_view dispensable[] = {"displacement_p95",
                                             "bytes",
                                             "contact_hardening",
                                             "received_error_rms",
+                                            "ghost_frames",
+                                            "ghost_half_life",
                                             "penumbra_width_ratio",
                                             "uncertain_share",
                                             "silhouette_share",
                                             "grazing_share",
                                             "false_lit_rate",
                                             "false_dark_rate",
+                                            "error_settled",
                                             "update_ms"};
 
 /// The rows of one kind of answer, and the lines below their table that say where they were made.

@@ -112,6 +112,25 @@ TEST(table, the_snapping_floor_stands_beside_the_error_once_a_record_has_it) {
   EXPECT_TRUE(json["rows"][1]["snapping_floor"].is_null());
 }
 
+// As error_settled and the ghosts of techniques that remember frames: rows without them have a dash.
+TEST(table, memory_of_frames_has_columns_where_a_row_has_it) {
+  std::vector<Record> records{row("remembers", 1, 0.25), row("forgets", 1, 0.5)};
+  const auto head = [&] { return line_with(render_table(records, Format::markdown), "| technique "); };
+  EXPECT_FALSE(has(head(), "settled") || has(head(), "ghost")) << head();
+  Metrics& metrics = records[0].metrics[Truth::shape];
+  metrics.insert({{"error_settled", 0.125}, {"ghost_half_life", std::nullopt}, {"ghost_frames", std::nullopt}});
+  EXPECT_TRUE(has(head(), "error settled (%)")) << head();
+  EXPECT_FALSE(has(head(), "ghost")) << "there was no jump: " << head();
+  metrics["ghost_half_life"] = 4;
+  metrics["ghost_frames"] = 28;
+  EXPECT_TRUE(has(head(), "| error settled (%) | ghost half life (frames) | ghost frames (frames) |")) << head();
+  const std::string text = render_table(records, Format::terminal);
+  EXPECT_TRUE(has(line_with(text, "remembers "), "12.5")) << text;
+  EXPECT_TRUE(has(text, "\nghost frames: frames after a jump until")) << text;
+  const std::string narrow = render_table(records, Format::terminal, {.width = 60});
+  EXPECT_TRUE(has(line_with(narrow, "left out for want of room: "), "ghost_frames, ghost_half_life")) << narrow;
+}
+
 TEST(table, rows_on_a_path_stand_apart_from_rows_that_stand_still) {
   std::vector<Record> records{row("a", 3, 0.1), row("a", 3, 0.2)};
   records[1].path = "camera_slide";
