@@ -314,9 +314,13 @@ void export_sequence(const ExportOptions& options, const WorkerOptions& worker) 
   const Scene& scene = *library.get(job.scene).scene;
   for (const std::string& note : scene.notes) print_notice("note: {}\n", note);
   const std::string summary = [&] {
-    Sequence sequence(options, suite, job, scene, worker);
-    sequence.make();
-    return sequence.summary();
+    try {
+      Sequence sequence(options, suite, job, scene, worker);
+      sequence.make();
+      return sequence.summary();
+    } catch (const WorkerFailure& failure) {
+      throw WorkerFailure(fmt::format("{}: {}", job.contender.name(), failure.what()));
+    }
   }();  // its progress is gone from the terminal
 
   const std::string out = options.out.string();

@@ -10,7 +10,7 @@ import numpy as np
 
 sys.path[:0] = [str(Path(__file__).resolve().parents[k]) for k in (0, 1)]
 from export_reader import T, read_exr  # noqa: E402
-from program import ProgramTest, records  # noqa: E402
+from program import FAULTS, ProgramTest, records  # noqa: E402
 
 SIZE = ["--size", "96x54"]
 KINDS = {"gbuffer": "exr", "mask": "exr", "reference": "exr", "error": "exr", "shaded": "png", "shaded_reference": "png"}
@@ -125,6 +125,12 @@ class ExportSequence(ProgramTest):
         self.refuse("export", "--sequence", "--scene", "single_triangle", "--path", "camera_slide", "--light", "lamp", *SIZE,
                     "--technique", MAP, "--out", "out", says=["shadow_map", "does not support", "lamp at frame 0", "area"])
         self.assertEqual(self.names(self.dir), [])
+
+    def test_a_worker_that_ends_is_named_by_its_technique_and_frame(self):
+        done = self.gnomon("--plugin", FAULTS, "export", "--sequence", *self.row("way"), "--technique", "crashes", "--out", "out")
+        self.assertEqual(done.returncode, 1)
+        self.assertRegex(done.stderr, r"(?m)^gnomon: crashes: crashed in \w+: Segmentation fault \(signal 11\) \(at frame 0\)$")
+        self.assertFalse((self.dir / "out").exists())
 
     def test_options_of_a_sequence_need_it(self):
         for words in (["--technique", MAP], ["--path", "camera_slide"], ["--frames", "3"], ["--timeout", "9"]):

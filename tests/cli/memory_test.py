@@ -1,6 +1,7 @@
 #!/usr/bin/python3 -IB
 """Rows of a technique that remembers frames: a program whose answer is the number of pictures since it forgot."""
 
+import shutil
 import sys
 import unittest
 from pathlib import Path
@@ -38,12 +39,13 @@ def error(value, dark):
 
 
 class Memory(ProgramTest):
-    def run_rows(self, *options, remembers=True):
-        self.write("counts.py", COUNTS)
+    def run_rows(self, *options, remembers=True, last=None):
+        """`last`: the number of a picture at which the program throws."""
+        self.write("counts.py", COUNTS.replace("        mask[...] = 1\n", f"        mask[...] = 1\n        assert self.count != {last}, 'tired'\n"))
         sheet = PROGRAM_SHEET.format(id="counts").replace("-IB", "-B") + ("remembers = true\n" if remembers else "")
         program = ["--program", self.write("counts.toml", sheet)]
         self.succeed(*program, "run", "--scene", "box_city:count=12", "--light", "sun", "--technique", "unshadowed", "--technique", "counts",
-                     *options, *NUMBERS, "--out", "out")
+                     *options, *NUMBERS, "--out", "out", status=0 if last is None else 1)
         return [next(row for row in records(self.dir / "out") if row["technique"] == name) for name in ("unshadowed", "counts")]
 
     def test_a_still_is_scored_cold(self):
@@ -65,6 +67,15 @@ class Memory(ProgramTest):
         for name in ("error_settled", "ghost_half_life", "ghost_frames"):
             self.assertIsNone(lit["metrics"]["shape"][name])
         self.assertIsNone(row["metrics"]["shape"]["ghost_frames"])  # the light moves on and on
+
+    def test_a_failure_says_at_which_frame_it_was(self):
+        for last, options, where in ((40, (), "still frame 40"), (40, ("--path", "light_slide"), "still frame 40"),
+                                     (STILLS + 2, ("--path", "light_slide"), "frame 3")):
+            with self.subTest(where, options=options):
+                reason = self.run_rows(*options, last=last)[1]["reason"]
+                self.assertRegex(reason, rf"tired.* \(at {where}\)$")
+                self.assertEqual(reason.count("(at "), 1)
+                shutil.rmtree(self.dir / "out")
 
     def test_rescoring_keeps_what_one_mask_does_not_tell(self):
         _, row = self.run_rows()

@@ -50,14 +50,22 @@ struct SceneRun {
   std::string shown(const RowFrame& frame, Truth truth);
 };
 
-/// Does something of a frame of a row on a path. Where its worker fails, the failure says at which frame.
-auto at_frame(int number, const auto& work) {
+/// A failure that says at which frame it was.
+class FailureAtFrame : public WorkerFailure {
+  using WorkerFailure::WorkerFailure;
+};
+/// Does something of a frame of a row. Where its worker fails, the failure says at which one, by its kind and number.
+auto at_frame(std::string_view kind, int number, const auto& work) {
   try {
     return work();
+  } catch (const FailureAtFrame&) {
+    throw;
   } catch (const WorkerFailure& failure) {
-    throw WorkerFailure(fmt::format("{} (at frame {})", failure.what(), number));
+    throw FailureAtFrame(fmt::format("{} (at {} {})", failure.what(), kind, number));
   }
 }
+/// The same of a frame of a path.
+auto at_frame(int number, const auto& work) { return at_frame("frame", number, work); }
 
 /// A worker that serves one technique with its settings on a scene, and its present frame of a row.
 class ContenderWorker {

@@ -131,7 +131,7 @@ class RowMeasurement {
     start(frame);
     if (!take_support(record_, go(frame, other_truth_), frame)) return false;
     if (settles_before(frame))
-      for (int k = 1; k < still_frames; ++k) worker_.client().time(Stage::resolve);
+      for (int k = 1; k < still_frames; ++k) at_frame("still frame", k, [&] { worker_.client().time(Stage::resolve); });
     MeasuredRow other = now_;
     take_answers(other, nullptr);
     put_together(other, run_.scene);
@@ -178,17 +178,19 @@ class RowMeasurement {
 
   /// Resolves until still_frames of the frame's first picture are there, those that are included.
   void settle() {
-    for (int k = 0; k < still_frames; ++k) {
-      if (k > 0) worker_.client().time(Stage::resolve);
-      if (k > 0 && k < still_frames - settled_frames && !has_error_terms_) continue;
-      MeasuredRow still;
-      for (const MeasuredLight& light : now_.lights) still.lights.push_back({light.light, {}});
-      take_answers(still, nullptr);
-      // Of a still the first is measured by now; of a path the last will be.
-      if (follows_path_ ? k + 1 < still_frames : k > 0) take_error_terms(still);
-      put_together(still, run_.scene);
-      memory_score_.add_still(k, measure_metric(Scoring(still.evidence(run_.scene)), "error"));
-    }
+    for (int k = 0; k < still_frames; ++k) at_frame("still frame", k, [&] { add_still(k); });
+  }
+
+  void add_still(int number) {
+    if (number > 0) worker_.client().time(Stage::resolve);
+    if (number > 0 && number < still_frames - settled_frames && !has_error_terms_) return;
+    MeasuredRow still;
+    for (const MeasuredLight& light : now_.lights) still.lights.push_back({light.light, {}});
+    take_answers(still, nullptr);
+    // Of a still the first is measured by now; of a path the last will be.
+    if (follows_path_ ? number + 1 < still_frames : number > 0) take_error_terms(still);
+    put_together(still, run_.scene);
+    memory_score_.add_still(number, measure_metric(Scoring(still.evidence(run_.scene)), "error"));
   }
 
   void take_error_terms(const MeasuredRow& row) {
