@@ -214,10 +214,26 @@ void draw_swatches(std::span<const LegendEntry> swatches) {
   }
 }
 
+/// Why causes are the common ones, and layers of parts of the error empty, of a technique that knows the parts of other frames.
+void draw_missing_parts(const PanelData& shown) {
+  for (int side = 0; side < 2; ++side) {
+    const ComposeSide& s = shown.composition.sides[side];
+    if (!s.verdict || !s.verdict->lacks_parts || !is_shown(shown.composition.layout, side)) continue;
+    const bool is_part = s.layer && std::ranges::find(s.verdict->own_causes, s.layer->layer.name, &CauseInfo::name) !=
+                                        s.verdict->own_causes.end();
+    if (shown.composition.paint != Paint::causes && !is_part) continue;
+    Widgets::wrapped(fmt::format("{}: it remembers frames, and the parts of its error are known of the first of a sequence "
+                                 "alone. Another size of the picture, or the other truth, begins one.",
+                                 side_name(side)),
+                     quiet_text);
+  }
+}
+
 }  // namespace
 
 void draw_legend(const PanelData& shown) {
   draw_paint_legend(shown);
+  draw_missing_parts(shown);
   draw_bars(shown);
   if (shown.composition.shows_contours) draw_contour_legend(shown);
   for (int side = 0; side < 2; ++side) {

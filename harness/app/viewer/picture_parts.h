@@ -116,6 +116,8 @@ struct Verdict {
   std::vector<Cause> causes;                        ///< empty until then
   std::vector<CauseInfo> own_causes;                ///< of the technique
   std::map<std::string, std::uint64_t> cause_counts;
+  /// The technique tells the parts of its error, but not of this frame: it remembers frames of which nobody asked it for them.
+  bool lacks_parts = false;
 };
 
 /// The share that counts for what estimates this one.

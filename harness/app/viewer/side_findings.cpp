@@ -143,6 +143,7 @@ void SideLane::find_causes_of(const std::shared_ptr<const Verdict>& verdict,
     }
   });
   if (!is_done) return;
+  tells_parts_ = tells_parts_ || has_terms;
   auto complete = std::make_shared<Verdict>(*verdict);
   if (frame.is_together())
     complete->together = put_together(*verdict->answer, *truth, verdict->estimates, causes, verdict->own_causes);
@@ -151,6 +152,7 @@ void SideLane::find_causes_of(const std::shared_ptr<const Verdict>& verdict,
   complete->cause_counts =
       count_causes(frame.is_together() ? complete->together->causes : complete->causes, verdict->own_causes);
   complete->has_causes = true;
+  complete->lacks_parts = about.remembers && tells_parts_ && !has_terms;
   complete->reference = truth;
   change([&](SideState& s) {
     if (s.verdict == verdict) s.verdict = complete;

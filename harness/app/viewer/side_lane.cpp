@@ -164,6 +164,7 @@ void SideLane::start(const LoadedTechnique& selected, const std::string& setting
     has_failed_ = false;
     fresh_ = 0;
     frame_ = 0;
+    tells_parts_ = false;
     stage_ms_ = {};
     s = {};
     s.words = "start";

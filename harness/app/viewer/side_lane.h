@@ -87,6 +87,7 @@ class SideLane : public Lane {
   bool is_supported_ = false;
   Support support_ = Support::full();
   std::vector<Support> light_supports_;  ///< of several lights, each
+  bool tells_parts_ = false;             ///< the technique has told the parts of an error since the worker was started
   StageTimes stage_ms_;
   std::uint64_t repeat_ = 0;
   std::optional<Clock::time_point> since_;  ///< when the present call of the worker began

@@ -231,17 +231,16 @@ std::vector<Rule> about_rules() {
            "Use Number, Choice and Flag of gnomon/param.h, which do so; a parameter of your own has to throw Error as they "
            "do.",
            "Mend value, min, max or choices of the [[parameter]] that is named."),
-      Rule(
-          "features", features, {},
-          "A scene whose casters have holes is unsupported, unless the data sheet states that it handles alpha_masks; one "
-          "whose casters let a part of the light through, unless it states transmission. Then an exact technique is wrong at no tested pixel "
-          "of such a scene; a sampled one keeps its promise, or has less than a quarter of the error of a mask without "
-          "shadows.",
-          "Look up every triangle that blocks a ray, or that is drawn, in its mask: is_solid_at "
-          "(gnomon/kit/geometry/holes.h) finds the texel, and transmission_at what it lets through; Crossings "
-          "(gnomon/kit/geometry/crossings.h) multiplies. A technique that does not leaves handles empty.",
-          "Look up every triangle that blocks a ray in its alpha mask and its transmission: docs/protocol.md says "
-          "how they are written. A program that does not leaves the key handles out.")};
+      Rule("features", features, {},
+           "A scene whose casters have holes is unsupported, unless the data sheet states that it handles alpha_masks; one "
+           "whose casters let a part of the light through, unless it states transmission. Then an exact technique is wrong "
+           "at no tested pixel of such a scene; a sampled one keeps its promise, or has less than a quarter of the error of "
+           "a mask without shadows.",
+           "Look up every triangle that blocks a ray, or that is drawn, in its mask: is_solid_at "
+           "(gnomon/kit/geometry/holes.h) finds the texel, and transmission_at what it lets through; Crossings "
+           "(gnomon/kit/geometry/crossings.h) multiplies. A technique that does not leaves handles empty.",
+           "Look up every triangle that blocks a ray in its alpha mask and its transmission: docs/protocol.md says "
+           "how they are written. A program that does not leaves the key handles out.")};
 }
 
 }  // namespace gnomon::conformance

@@ -171,13 +171,12 @@ std::vector<Rule> sequence_rules() {
           "what objects share by for_another_light.",
           "Keep the number of the frame, the seed and the memory in the process: look for files outside of the "
           "folder that hello names."),
-      Rule(
-          "no_memory_undeclared", no_memory_undeclared,
-          {.applies_to = AppliesTo::not_remembering, .has_small_pictures = true, .sanitized = Sanitized::part},
-          "A technique that does not state that it remembers frames answers alike after any other frames, bit for bit, also where "
-          "light, camera and vertices have moved a little.",
-          "State .remembers = true and drop the memory in forget, or keep no answer from one resolve to the next.",
-          "State remembers = true and drop the memory in forget, or keep no answer from one resolve to the next."),
+      Rule("no_memory_undeclared", no_memory_undeclared,
+           {.applies_to = AppliesTo::not_remembering, .has_small_pictures = true, .sanitized = Sanitized::part},
+           "A technique that does not state that it remembers frames answers alike after any other frames, bit for bit, also "
+           "where light, camera and vertices have moved a little.",
+           "State .remembers = true and drop the memory in forget, or keep no answer from one resolve to the next.",
+           "State remembers = true and drop the memory in forget, or keep no answer from one resolve to the next."),
       Rule("bytes_of_frames", bytes_of_frames,
            {.applies_to = AppliesTo::remembering, .has_small_pictures = true, .sanitized = Sanitized::part},
            "The count bytes does not grow with the number of the frame: after frame 12 it is at most that after frame 2.",

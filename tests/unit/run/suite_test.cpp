@@ -188,8 +188,8 @@ TEST(contenders, what_cannot_be_is_refused) {
   EXPECT_NE(refused("shadow_mop").find("did you mean shadow_map?"), std::string::npos) << refused("shadow_mop");
   EXPECT_NE(refused("").find("There are: "), std::string::npos) << refused("");
   EXPECT_EQ(refused("shadow_map:resolution={256,512},filter=pcf,unshadowed"),
-            "'shadow_map:resolution={256,512},filter=pcf,unshadowed' names 2 techniques; where several are taken, the option is "
-            "repeated: --technique shadow_map:resolution={256,512},filter=pcf --technique unshadowed");
+            "'shadow_map:resolution={256,512},filter=pcf,unshadowed' names 2 techniques; where several are taken, the option "
+            "is repeated: --technique shadow_map:resolution={256,512},filter=pcf --technique unshadowed");
 }
 
 TEST(suite, a_file_without_extras_has_the_documented_defaults) {

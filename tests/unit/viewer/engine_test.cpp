@@ -114,6 +114,29 @@ TEST(viewer_engine, measures_error_against_samples_beside_the_side) {
   EXPECT_EQ(dropped.sides[0].phase, Phase::done);
 }
 
+// A technique that remembers frames tells the parts of its error where it was asked for them in each frame before. Nobody asks
+// while the picture moves on, so that they are known of the first frame of a sequence, which another size begins.
+TEST(viewer_engine, says_where_the_parts_of_an_error_are_not_known) {
+  TestRig rig;
+  rig.open("box_city:count=12");
+  rig.selection.light = {.name = "lamp", .kind = SphereLight{{4, 9, 0}, 2}};
+  rig.selection.width = 80;
+  rig.selection.height = 45;
+  rig.selection.sides[0] = {.technique = "denoised_rays", .settings = "memory=accumulate", .layer = ""};
+  const auto lacks_parts = [&] {
+    const EngineState state = rig.finish();
+    if (!state.sides[0].verdict || !state.sides[0].verdict->has_causes) throw Error("no causes: {}", state.sides[0].words);
+    return state.sides[0].verdict->lacks_parts;
+  };
+  EXPECT_FALSE(lacks_parts());
+  std::get<SphereLight>(rig.selection.light.kind).center.x = 3;
+  EXPECT_TRUE(lacks_parts());
+  rig.selection.width = 96;
+  EXPECT_FALSE(lacks_parts());
+  rig.selection.sides[0] = {.technique = "area_rays", .settings = "", .layer = ""};
+  EXPECT_FALSE(lacks_parts()) << "it has no parts";
+}
+
 // While the camera moves frames may be smaller; once it rests they are not, and the mask is that of render.
 TEST(viewer_engine, full_frames_come_back_at_rest) {
   TestRig rig;
