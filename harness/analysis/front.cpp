@@ -3,7 +3,6 @@
 #include <cmath>
 
 #include "analysis/missing_places.h"
-#include "measure/counted.h"
 
 namespace gnomon {
 

@@ -38,8 +38,8 @@ UnfinishedRows::UnfinishedRows(const fs::path& out, const Suite& suite, const st
   if (!is_plain_file(file_)) return;
   try {
     for (Record& record : read_record_file(file_).records)
-      if (jobs.contains(record.job) && !(retry_failed && record.status == Status::failed))
-        waiting_.insert_or_assign(record.job, std::move(record));
+      if (const std::string job = record.job; jobs.contains(job) && !(retry_failed && record.status == Status::failed))
+        waiting_.insert_or_assign(job, std::move(record));
   } catch (const Error&) {  // written by another version, or damaged: its rows begin anew
     waiting_.clear();
   }
