@@ -175,7 +175,7 @@ std::string joined(std::span<const std::string> words, std::string_view between)
   return text;
 }
 
-std::string nearest_word(std::string_view word, std::span<const std::string> candidates) {
+std::vector<std::string> nearest_words(std::string_view word, std::span<const std::string> candidates, std::size_t most) {
   word = word.substr(0, 100);  // the time grows with it, and it may be a whole file
   const auto distance = [](std::string_view a, std::string_view b) {
     std::vector<std::size_t> row(b.size() + 1);
@@ -190,14 +190,17 @@ std::string nearest_word(std::string_view word, std::span<const std::string> can
     }
     return row.back();
   };
-  std::string best;
-  std::size_t least = SIZE_MAX;
-  for (const std::string& candidate : candidates)
-    if (const std::size_t d = distance(word, candidate); d < least) {
-      least = d;
-      best = candidate;
-    }
-  return best;
+  std::vector<std::pair<std::size_t, std::string>> ranked;
+  for (const std::string& candidate : candidates) ranked.emplace_back(distance(word, candidate), candidate);
+  std::ranges::stable_sort(ranked, {}, &std::pair<std::size_t, std::string>::first);
+  std::vector<std::string> nearest;
+  for (const auto& [far, candidate] : std::span(ranked).first(std::min(most, ranked.size()))) nearest.push_back(candidate);
+  return nearest;
+}
+
+std::string nearest_word(std::string_view word, std::span<const std::string> candidates) {
+  const std::vector<std::string> nearest = nearest_words(word, candidates, 1);
+  return nearest.empty() ? "" : nearest.front();
 }
 
 }  // namespace gnomon

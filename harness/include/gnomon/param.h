@@ -198,6 +198,10 @@ class ObjectParameter : public Parameter {
 /// The row itself; of a row behind an ObjectParameter the one of its own object, which is a Number or a Choice.
 const Parameter& typed(const Parameter& row);
 
+/// The candidates with the smallest edit distances to `word`, the nearest first and at most so many; those that are as near keep
+/// their order.
+std::vector<std::string> nearest_words(std::string_view word, std::span<const std::string> candidates, std::size_t most);
+
 /// The candidate with the smallest edit distance to `word`; empty when there is no candidate.
 std::string nearest_word(std::string_view word, std::span<const std::string> candidates);
 

@@ -264,6 +264,14 @@ TEST(param, nearest_word_counts_insertions_deletions_and_substitutions) {
   EXPECT_EQ(nearest_word("ab", std::vector<std::string>{"cb", "ac"}), "cb");  // a tie goes to the first
 }
 
+TEST(param, nearest_words_come_by_their_distance) {
+  // Distances to "bias": 0 of itself; 1 of bits and bids, t or d for a; more of map, whose length is another.
+  const std::vector<std::string> words{"map", "bits", "bias", "bids"};
+  EXPECT_EQ(nearest_words("bias", words, 3), (std::vector<std::string>{"bias", "bits", "bids"}));
+  EXPECT_EQ(nearest_words("bias", words, 9).size(), 4u);
+  EXPECT_TRUE(nearest_words("bias", {}, 3).empty());
+}
+
 RC_GTEST_PROP(param, a_word_of_the_list_is_nearest_to_itself, ()) {
   const auto letters = rc::gen::container<std::string>(rc::gen::inRange('a', 'd'));
   const auto words = *rc::gen::nonEmpty(rc::gen::container<std::vector<std::string>>(letters));
