@@ -1,5 +1,7 @@
 #include "report/table/text_table.h"
 
+#include <gnomon/error.h>
+
 #include <algorithm>
 #include <cassert>
 #include <numeric>
@@ -83,6 +85,15 @@ std::vector<std::string> wrap(std::string_view text, std::size_t width) {
   return lines;
 }
 
+std::string wrapped_line(std::string_view text, std::size_t width) {
+  constexpr std::string_view indent = "  ";
+  if (width == 0 || display_width(text) <= width) return fmt::format("{}\n", text);
+  std::string all;
+  for (const std::string& line : wrap(text, std::max(width, indent.size() + 1) - indent.size()))
+    all += fmt::format("{}{}\n", all.empty() ? "" : indent, line);
+  return all;
+}
+
 std::vector<std::vector<std::string>> heading_rows(const std::vector<TextTable::Column>& columns,
                                                    const std::vector<std::size_t>& widths) {
   std::vector<std::vector<std::string>> blocks;  // by column: its lines
@@ -100,7 +111,7 @@ std::vector<std::vector<std::string>> heading_rows(const std::vector<TextTable::
   return rows;
 }
 
-void shrink(std::vector<std::size_t>& widths, std::span<const std::size_t> least, std::size_t gaps, std::size_t room) {
+void shrink(std::span<std::size_t> widths, std::span<const std::size_t> least, std::size_t gaps, std::size_t room) {
   for (std::size_t total = std::accumulate(widths.begin(), widths.end(), gaps); total > room; --total) {
     std::size_t widest = widths.size();
     for (std::size_t i = 0; i < widths.size(); ++i)
@@ -112,38 +123,90 @@ void shrink(std::vector<std::size_t>& widths, std::span<const std::size_t> least
 
 void TextTable::add_row(std::vector<std::string> cells, std::string rest) {
   assert(cells.size() == columns_.size() || (cells.size() < columns_.size() && !rest.empty()));
+  if (!rest.empty()) filled_.insert(cells.size());
   rows_.push_back({false, std::move(cells), std::move(rest)});
 }
 
 void TextTable::add_heading(std::string text) { rows_.push_back({true, {}, std::move(text)}); }
 
-std::vector<std::size_t> TextTable::widths(std::size_t width) const {
-  std::vector<std::size_t> result;
+TextTable::Limits TextTable::limits() const {
+  Limits limits;
   for (std::size_t i = 0; i < columns_.size(); ++i) {
-    result.push_back(std::max(longest_piece(columns_[i].heading), display_width(columns_[i].unit)));
-    for (const HeadingOrRow& row : rows_)
-      if (i < row.cells.size()) result[i] = std::max(result[i], display_width(row.cells[i]));
+    std::size_t widest = std::max(longest_piece(columns_[i].heading), display_width(columns_[i].unit)), least = least_width;
+    for (const HeadingOrRow& row : rows_) {
+      if (i >= row.cells.size()) continue;
+      widest = std::max(widest, display_width(row.cells[i]));
+      least = std::max(least, std::min(longest_piece(row.cells[i]), whole_width));
+    }
+    limits.widest.push_back(widest);
+    // Numbers stay whole.
+    limits.least.push_back(columns_[i].align == Align::right ? widest : std::min(least, widest));
   }
-  if (width == 0 || columns_.empty()) return result;
+  return limits;
+}
 
-  // Numbers stay whole.
-  std::vector<std::size_t> least(columns_.size(), least_width);
-  for (std::size_t i = 0; i < columns_.size(); ++i) {
-    for (const HeadingOrRow& row : rows_)
-      if (i < row.cells.size()) least[i] = std::max(least[i], std::min(longest_piece(row.cells[i]), whole_width));
-    if (columns_[i].align == Align::right) least[i] = result[i];
+/// Whether these columns and what runs on behind them have room beside one another.
+bool TextTable::fit(const Columns& shown, const Limits& limits, std::size_t width) const {
+  const auto end_of = [&](std::size_t count) {
+    std::size_t end = 0;
+    for (const std::size_t i : shown)
+      if (i < count) end += limits.least[i] + gap;
+    return end;
+  };
+  return end_of(columns_.size()) <= width + gap &&
+         std::ranges::all_of(filled_, [&](std::size_t count) { return end_of(count) + least_width <= width; });
+}
+
+/// The columns without those that are left out.
+TextTable::Columns TextTable::kept(const Limits& limits, std::size_t width) const {
+  Columns shown(columns_.size());
+  std::iota(shown.begin(), shown.end(), std::size_t{0});
+  while (width > 0 && !fit(shown, limits, width)) {
+    int most = 0;
+    for (const std::size_t i : shown) most = std::max(most, columns_[i].spare);
+    if (most == 0) break;
+    std::erase_if(shown, [&](std::size_t i) { return columns_[i].spare == most; });
   }
-  shrink(result, least, gap * (columns_.size() - 1), width);
+  return shown;
+}
+
+/// The columns of each of the tables that are below one another.
+std::vector<TextTable::Columns> TextTable::dealt(const Columns& kept, const Limits& limits, std::size_t width) const {
+  std::vector<Columns> parts(1);
+  for (const std::size_t i : kept) {
+    Columns longer = parts.back();
+    longer.push_back(i);
+    if (width == 0 || longer.size() <= 2 || fit(longer, limits, width))
+      parts.back() = std::move(longer);
+    else
+      parts.push_back({kept.front(), i});
+  }
+  return parts;
+}
+
+std::vector<std::size_t> TextTable::widths(const Columns& shown, const Limits& limits, std::size_t width) const {
+  std::vector<std::size_t> result, least;
+  for (const std::size_t i : shown) {
+    result.push_back(limits.widest[i]);
+    least.push_back(limits.least[i]);
+  }
+  if (width == 0 || shown.empty()) return result;
+  shrink(result, least, gap * (shown.size() - 1), width);
+  for (const std::size_t filled : filled_) {
+    const auto before = static_cast<std::size_t>(std::ranges::count_if(shown, [&](std::size_t i) { return i < filled; }));
+    shrink(std::span(result).first(before), least, gap * before, std::max(width, least_width) - least_width);
+  }
   return result;
 }
 
-std::string TextTable::text(std::size_t width) const {
-  const std::vector<std::size_t> column_widths = widths(width);
+/// A table of these columns. What runs on behind cells is in the first one alone.
+std::string TextTable::part(const Columns& shown, const Limits& limits, std::size_t width, bool is_first) const {
+  const std::vector<std::size_t> column_widths = widths(shown, limits, width);
   std::vector<std::size_t> starts{0};
   for (const std::size_t column : column_widths) starts.push_back(starts.back() + column + gap);
 
   std::string all, line;
-  const auto write_row = [&](const std::vector<std::string>& cells, const std::string& rest) {
+  const auto write_row = [&](std::span<const std::string> cells, const std::string& rest) {
     std::vector<std::vector<std::string>> blocks;
     std::size_t height = 1;
     for (std::size_t i = 0; i < cells.size(); ++i) {
@@ -160,7 +223,7 @@ std::string TextTable::text(std::size_t width) const {
       for (std::size_t i = 0; i < blocks.size(); ++i) {
         if (l >= blocks[i].size()) continue;
         const std::string& piece = blocks[i][l];
-        const bool is_right = i < cells.size() && columns_[i].align == Align::right;
+        const bool is_right = i < cells.size() && columns_[shown[i]].align == Align::right;
         pad_to(line, starts[i] + (is_right ? column_widths[i] - display_width(piece) : 0));
         line += piece;
       }
@@ -168,16 +231,44 @@ std::string TextTable::text(std::size_t width) const {
     }
   };
 
-  for (const std::vector<std::string>& cells : heading_rows(columns_, column_widths)) write_row(cells, "");
-  if (!columns_.empty()) all += std::string(starts.back() - gap, '-') + '\n';
+  std::vector<Column> heads;
+  for (const std::size_t i : shown) heads.push_back(columns_[i]);
+  for (const std::vector<std::string>& cells : heading_rows(heads, column_widths)) write_row(cells, "");
+  if (!shown.empty()) all += std::string(starts.back() - gap, '-') + '\n';
   for (const HeadingOrRow& row : rows_) {
-    if (!row.is_heading) {
-      write_row(row.cells, row.rest);
+    if (row.is_heading) {
+      all += '\n';
+      for (const std::string& piece : wrap(row.rest, width > 0 ? width : std::string::npos)) all += piece + '\n';
       continue;
     }
-    all += '\n';
-    for (const std::string& line : wrap(row.rest, width > 0 ? width : std::string::npos)) all += line + '\n';
+    std::vector<std::string> cells;
+    for (const std::size_t i : shown)
+      if (i < row.cells.size()) cells.push_back(row.cells[i]);
+    if (is_first || cells.size() > 1) write_row(cells, is_first ? row.rest : "");
   }
+  return all;
+}
+
+std::vector<std::size_t> TextTable::left_out(std::size_t width) const {
+  const Columns shown = kept(limits(), width);
+  Columns missing;
+  for (std::size_t i = 0; i < columns_.size(); ++i)
+    if (!std::ranges::binary_search(shown, i)) missing.push_back(i);
+  return missing;
+}
+
+std::string TextTable::text(std::size_t width) const {
+  const Limits all_limits = limits();
+  std::string all;
+  for (const Columns& shown : dealt(kept(all_limits, width), all_limits, width)) {
+    if (!all.empty()) all += '\n';
+    all += part(shown, all_limits, width, all.empty());
+  }
+  if (width == 0) return all;
+  std::vector<std::string> missing;
+  for (const std::size_t i : left_out(width)) missing.push_back(columns_[i].heading);
+  if (!missing.empty())
+    all += wrapped_line(fmt::format("left out for want of room: {}; --wide shows all", joined(missing, ", ")), width);
   return all;
 }
 

@@ -102,6 +102,90 @@ TEST(text_table, words_are_not_cut_to_make_a_line_fit) {
             "depth=12\n");
 }
 
+/// Each number is 12 columns wide, and has 2 before it.
+TextTable three_numbers() {
+  TextTable table({{"id", ""}, {"first", "", Align::right}, {"second", "", Align::right}, {"third", "", Align::right, 1}});
+  table.add_heading("group");
+  table.add_row({"a", "123456789012", "223456789012", "323456789012"});
+  table.add_row({"b"}, "it has no numbers");
+  return table;
+}
+
+TEST(text_table, spare_columns_are_left_out_and_named_where_there_is_no_room) {
+  // 2 + 3 * 14 = 44 columns; without the third number 30.
+  EXPECT_TRUE(three_numbers().left_out(44).empty());
+  EXPECT_EQ(three_numbers().text(44), three_numbers().text());
+  EXPECT_EQ(three_numbers().left_out(43), (std::vector<std::size_t>{3}));
+  EXPECT_EQ(three_numbers().text(43),
+            "id         first        second\n"
+            "------------------------------\n"
+            "\n"
+            "group\n"
+            "a   123456789012  223456789012\n"
+            "b   it has no numbers\n"
+            "left out for want of room: third; --wide\n"
+            "  shows all\n");
+}
+
+TEST(text_table, columns_that_are_not_spare_go_on_below) {
+  EXPECT_EQ(three_numbers().text(29),
+            "id         first\n"
+            "----------------\n"
+            "\n"
+            "group\n"
+            "a   123456789012\n"
+            "b   it has no numbers\n"
+            "\n"
+            "id        second\n"
+            "----------------\n"
+            "\n"
+            "group\n"
+            "a   223456789012\n"
+            "left out for want of room:\n"
+            "  third; --wide shows all\n");
+}
+
+TEST(text_table, what_runs_on_behind_a_cell_has_room) {
+  TextTable table({{"technique", ""}, {"n", "", Align::right}});
+  table.add_row({"one two three four five six seven eight nine ten"}, "a reason why there is no number");
+  // The reason needs 16 columns and 2 before: the technique gets the other 22.
+  EXPECT_EQ(table.text(40),
+            "technique               n\n"
+            "-------------------------\n"
+            "one two three four      a reason why\n"
+            "five six seven eight    there is no\n"
+            "nine ten                number\n");
+}
+
+TEST(text_table, a_line_that_is_too_long_is_wrapped_and_indented) {
+  EXPECT_EQ(wrapped_line("one two three", 0), "one two three\n");
+  EXPECT_EQ(wrapped_line("one two three", 13), "one two three\n");
+  EXPECT_EQ(wrapped_line("one two three", 9), "one two\n  three\n");
+}
+
+// Two columns of at most 32 with 2 between fit into 66, so any table does: its words are cut to 32 and its numbers are shorter.
+RC_GTEST_PROP(text_table, every_line_of_a_table_fits, ()) {
+  const auto width = *rc::gen::inRange<std::size_t>(66, 200);
+  const auto text_of = [](int most) {
+    return *rc::gen::resize(most, rc::gen::container<std::string>(rc::gen::element('a', 'b', ' ', ',', ':')));
+  };
+  std::vector<TextTable::Column> columns;
+  const int count = *rc::gen::inRange(1, 12);
+  for (int i = 0; i < count; ++i)
+    columns.push_back({text_of(20), "", *rc::gen::element(Align::left, Align::right), *rc::gen::inRange(0, 3)});
+  columns.front().spare = 0;
+  columns.front().align = Align::left;
+  TextTable table(columns);
+  for (int row = 0; row < 5; ++row) {
+    std::vector<std::string> cells;
+    for (const TextTable::Column& column : columns) cells.push_back(text_of(column.align == Align::right ? 20 : 60));
+    const bool is_refused = *rc::gen::element(false, true);
+    if (is_refused) cells.resize(1);
+    table.add_row(cells, is_refused && count > 1 ? text_of(90) + "!" : "");
+  }
+  for (const std::string& line : lines_of(table.text(width))) RC_ASSERT(display_width(line) <= width);
+}
+
 RC_GTEST_PROP(text_table, every_wrapped_line_fits, ()) {
   const auto text = *rc::gen::container<std::string>(rc::gen::element('a', 'b', ' ', ',', ':'));
   const auto width = *rc::gen::inRange<std::size_t>(1, 12);
