@@ -187,6 +187,11 @@ Column for_programs(Column column) {
   return column;
 }
 
+Column spare(Column column, int rank) {
+  column.spare = rank;
+  return column;
+}
+
 Cell text_cell(std::string_view text) { return text.empty() ? Cell{} : Cell{.value = std::string(text)}; }
 
 Cell count_cell(std::size_t count) { return count > 0 ? Cell{.value = static_cast<double>(count)} : Cell{}; }
@@ -241,16 +246,6 @@ std::string shown(const Column& column, const Cell& cell) {
   }
   const auto* text = std::get_if<std::string>(&cell.value);
   return text ? *text : "-";
-}
-
-std::vector<Column> select(const std::vector<Column>& columns, std::span<const std::string> names) {
-  const std::vector<std::string> known = names_in(columns);
-  std::vector<Column> selected;
-  for (const std::string& name : names) {
-    require_word("there is no column", name, known);
-    selected.push_back(*std::ranges::find(columns, name, &Column::name));
-  }
-  return selected;
 }
 
 }  // namespace gnomon

@@ -37,6 +37,7 @@ struct Column {
   /// Of a time its logarithm, nothing where there are too few processes. Empty function where the column has no times.
   std::function<std::optional<LogTime>(const Record&)> log_time = {};
   Audience audience = Audience::all;
+  int spare = 0;  ///< where there is no room the columns with the highest go first; those with 0 stay
 };
 
 /// A plain function, so that a list of columns costs one std::function type and not one for each of its lambdas.
@@ -51,6 +52,7 @@ Column ray_column(std::string name, std::string heading, CellOf cell = nullptr);
 Column whole_column(std::string name, const std::string& unit, std::string heading, CellOf cell = nullptr);
 Column for_people(Column column);
 Column for_programs(Column column);
+Column spare(Column column, int rank);
 
 /// Empty text is null.
 Cell text_cell(std::string_view text);
@@ -95,7 +97,11 @@ std::string top_causes(const Record& record, std::size_t most = 2);
 /// The cell for people: rounded as it deserves, "-" for null.
 std::string shown(const Column& column, const Cell& cell);
 
-/// The columns with these names, in this order. Throws Error with the nearest name.
+/// The names of the columns with this heading as tables print it: line breaks and the unit behind it do not count.
+std::vector<std::string> names_with_heading(std::span<const Column> columns, std::string_view heading);
+
+/// The columns with these names or headings, in this order. Throws Error with the names where several columns have a heading,
+/// and with the nearest names where none has.
 std::vector<Column> select(const std::vector<Column>& columns, std::span<const std::string> names);
 
 }  // namespace gnomon
