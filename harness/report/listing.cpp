@@ -40,7 +40,12 @@ std::vector<std::string> handled(const About& about) {
 }
 
 std::string list_text(std::span<const TechniqueEntry> entries, std::size_t width) {
-  TextTable table({{"id", ""}, {"title", ""}, {"role", ""}, {"promise", ""}, {"sees", ""}, {"summary", ""}});
+  TextTable table({{"id", ""},
+                   {"title", ""},
+                   {"role", "", Align::left, 1},
+                   {"promise", "", Align::left, 2},
+                   {"sees", "", Align::left, 3},
+                   {"summary", ""}});
   for (const TechniqueEntry& entry : entries) {
     const About& about = entry.about;
     table.add_row({entry.id, std::string(about.title), std::string(name(about.role)), std::string(name(about.promise)),
@@ -56,7 +61,7 @@ Json list_json(std::span<const TechniqueEntry> entries) {
 }
 
 std::string list_text(std::span<const MetricInfo> metrics, std::size_t width) {
-  TextTable table({{"metric", ""}, {"unit", ""}, {"better", ""}, {"meaning", ""}});
+  TextTable table({{"metric", ""}, {"unit", ""}, {"better", "", Align::left, 1}, {"meaning", ""}});
   for (const MetricInfo& metric : metrics)
     table.add_row({std::string(metric.name), unit_of(metric), metric.better.empty() ? "-" : std::string(metric.better),
                    std::string(metric.sentence)});
@@ -91,7 +96,7 @@ Json list_json(std::span<const CauseInfo> causes, std::span<const TechniqueEntry
 
 std::string parameters_text(const Parametrized& object, std::size_t width) {
   if (object.parameters().empty()) return "no parameters\n";
-  TextTable table({{"parameter", ""}, {"default", ""}, {"range", ""}, {"spoils", ""}, {"meaning", ""}});
+  TextTable table({{"parameter", ""}, {"default", ""}, {"range", ""}, {"spoils", "", Align::left, 1}, {"meaning", ""}});
   for (const Parameter* parameter : object.parameters())
     table.add_row({std::string(parameter->name()), parameter->default_text(), parameter->allowed(),
                    std::string(name(parameter->spoils())), std::string(parameter->sentence())});

@@ -31,10 +31,10 @@ std::string mesh_table(const Scene& scene, std::size_t width) {
                    {"triangles", "", Align::right},
                    {"shape", ""},
                    {"closed", ""},
-                   {"boundary", "edges", Align::right},
-                   {"non-manifold", "edges", Align::right},
-                   {"misoriented", "edges", Align::right},
-                   {"dropped", "triangles", Align::right}});
+                   {"boundary", "edges", Align::right, 1},
+                   {"non-manifold", "edges", Align::right, 2},
+                   {"misoriented", "edges", Align::right, 3},
+                   {"dropped", "triangles", Align::right, 4}});
   constexpr std::size_t shown = 40;
   for (const Mesh& mesh : std::span(scene.meshes).first(std::min(shown, scene.meshes.size())))
     table.add_row({mesh.name, std::to_string(mesh.triangles.size()), mesh.shape ? std::string(kind_name(*mesh.shape)) : "-",
@@ -213,9 +213,9 @@ std::string describe_text(const std::string& reference, const Scene& scene, std:
   std::string text = fmt::format("{}: {}, {}\nbounds  {:g} {:g} {:g} .. {:g} {:g} {:g} m\n", reference,
                                  counted(scene.meshes.size(), "mesh{es}"), counted(scene.triangle_count(), "triangle{s}"),
                                  b.min.x, b.min.y, b.min.z, b.max.x, b.max.y, b.max.z);
-  for (const std::string& note : scene.notes) text += fmt::format("note    {}\n", note);
+  for (const std::string& note : scene.notes) text += wrapped_line(fmt::format("note    {}", note), width);
   if (const SceneEntry* entry = generator_of(reference))
-    text += fmt::format("\n{}\n\n{}", entry->about.summary, parameters_text(*entry->make(), width));
+    text += fmt::format("\n{}\n{}", wrapped_line(entry->about.summary, width), parameters_text(*entry->make(), width));
   TextTable lights({{"light", ""}, {"kind", ""}, {"keys of a scene file", "meters"}});
   for (const Light& light : whole_lights(scene.lights))
     lights.add_row({light.name, std::string(kind_name(light)), words(scene_keys(light))});

@@ -25,6 +25,17 @@ Column quantity_column(const std::string& quantity) {
   return number_column(quantity, "", quantity);  // a metric that another version measured
 }
 
+std::string quantity_named(std::span<const Record> records, const std::string& word) {
+  const auto is_quantity = [&](const std::string& name) {
+    return std::ranges::any_of(records, [&](const Record& r) { return quantity(r, name).has_value(); });
+  };
+  if (is_quantity(word)) return word;
+  std::vector<std::string> names = names_with_heading(all_columns(records), word);
+  std::erase_if(names, std::not_fn(is_quantity));
+  if (names.size() > 1) throw Error("{} is the heading of several quantities; name one of them: {}", word, joined(names));
+  return names.empty() ? word : names.front();
+}
+
 std::string analyze(std::span<const Record> records, const std::string& kind, const AnalysisOptions& options, Format format,
                     const TableOptions& table) {
   require_word("there is no analysis", kind, analysis_kinds());

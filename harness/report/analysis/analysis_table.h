@@ -18,7 +18,8 @@ struct AnalysisOptions {
   bool all_pairs = false;              ///< rank: by default the best against each
   /// Budgets of `best` in the units that tables show: ms, MiB, and % or the metric's unit. All empty: round numbers.
   std::vector<double> times = {}, memories = {}, errors = {};
-  bool all = false;  ///< people too see rows that are beaten
+  bool all = false;       ///< people too see rows that are beaten
+  bool over_all = false;  ///< front, best: only what is over all places
 };
 
 /// The kinds of analysis, for messages.
@@ -27,6 +28,10 @@ std::vector<std::string> analysis_kinds();
 /// The analysis of this kind in this format. Throws Error on an unknown kind, quantity or parameter.
 std::string analyze(std::span<const Record> records, const std::string& kind, const AnalysisOptions& options, Format format,
                     const TableOptions& table = {});
+
+/// The quantity that a word names: its name, or its heading as tables print it; another word is returned as it is. Throws Error
+/// with the names where several quantities have the heading.
+std::string quantity_named(std::span<const Record> records, const std::string& word);
 
 /// The column that shows a quantity: its heading, unit and scale.
 Column quantity_column(const std::string& quantity);

@@ -66,10 +66,10 @@ std::vector<Column> front_columns(const Column& error, const Column& cost, std::
   std::vector<Column> columns = place_columns();
   columns.insert(columns.end(), {text_column("setting", "technique"), for_programs(text_column("role", "role"))});
   add_error_columns(columns, error, fields);
-  columns.insert(columns.end(), {cost, for_people(text_column("cost_interval", "interval")),
+  columns.insert(columns.end(), {cost, spare(for_people(text_column("cost_interval", "interval")), 2),
                                  for_programs(number_column("cost_low", cost.unit, "cost_low")),
                                  for_programs(number_column("cost_high", cost.unit, "cost_high")),
-                                 number_column("relative_cost", "", "relative"), text_column("standing", "standing"),
+                                 spare(number_column("relative_cost", "", "relative"), 1), text_column("standing", "standing"),
                                  for_programs(text_column("beaten_by", "beaten by"))});
   return columns;
 }
@@ -107,6 +107,15 @@ Layout table_of(std::span<const Field> fields, std::string title, std::vector<Co
   return table;
 }
 
+/// The fields of the records; on request only those over all places, where there is but one place that one.
+std::vector<Field> fields_of(std::span<const Record> records, const AnalysisOptions& options) {
+  std::vector<Field> fields = find_fields(records, {.error = options.metric, .cost = options.cost});
+  if (!options.over_all) return fields;
+  std::vector<Field> chosen;
+  for (const Field* field : overall_fields(fields)) chosen.push_back(*field);
+  return chosen;
+}
+
 /// What `best` limits and shows: the columns of its quantities.
 struct BestColumns {
   Column error, time, bytes;
@@ -134,7 +143,7 @@ std::vector<Column> best_columns(const AnalysisOptions& options, const BestColum
                  {for_programs(text_column("limited", "limited")), for_programs(number_column("budget", "", "budget")),
                   for_people(text_column("at", "at")), text_column("setting", "best")});
   add_error_columns(columns, of.error, fields);
-  columns.insert(columns.end(), {cost_column(options.cost), of.bytes, text_column("also", "as good")});
+  columns.insert(columns.end(), {cost_column(options.cost), spare(of.bytes, 2), spare(text_column("also", "as good"), 1)});
   return columns;
 }
 
@@ -172,7 +181,7 @@ Cells best_cells(const Field& field, const Best& best, const BestColumns& column
 }  // namespace
 
 Tables front_tables(std::span<const Record> records, const AnalysisOptions& options, Format) {
-  const std::vector<Field> fields = find_fields(records, {.error = options.metric, .cost = options.cost});
+  const std::vector<Field> fields = fields_of(records, options);
   const Column cost = cost_column(options.cost), error = quantity_column(options.metric);
   const bool with_floor = has_floor(fields);
   Layout table = table_of(fields, fmt::format("Front of {} against {}", with_unit(error), sentence(options.cost)),
@@ -204,7 +213,7 @@ Tables best_tables(std::span<const Record> records, const AnalysisOptions& optio
   if (options.cost == Cost::bytes)
     throw Error(
         "--cost bytes is for front; best takes resolve, light, geometry or motion, and budgets of memory by --memories");
-  const std::vector<Field> fields = find_fields(records, {.error = options.metric, .cost = options.cost});
+  const std::vector<Field> fields = fields_of(records, options);
   const BestColumns columns{quantity_column(options.metric), quantity_column("resolve_ms"), quantity_column("bytes")};
   const bool with_floor = has_floor(fields);
   const Budgets budgets = budgets_of(options, columns, fields);

@@ -22,21 +22,21 @@ std::vector<Column> columns_of(const Growths& growths) {
   const bool is_time = growths.quantity.empty();
   std::vector<Column> columns = place_columns();
   const Column stage = text_column(is_time ? "stage" : "quantity", is_time ? "stage" : "quantity");
-  columns.insert(
-      columns.end(),
-      {text_column("setting", "technique"), is_time ? stage : for_programs(stage), number_column("exponent", "", "exponent"),
-       for_people(text_column("exponent_interval", "interval")),
-       for_programs(number_column("exponent_low", "", "exponent_low")),
-       for_programs(number_column("exponent_high", "", "exponent_high")),
-       for_people(text_column("local_slopes", "from point to point")),
-       for_programs(number_column("slope_least", "", "slope_least")),
-       for_programs(number_column("slope_greatest", "", "slope_greatest")), number_column("slope_upper", "", "upper half"),
-       for_programs(number_column("coefficient", is_time ? "ms" : "", "coefficient")),
-       for_programs(number_column("r2", "", "R²")), whole_column("points", "", "points")});
-  if (!is_time) columns.push_back(whole_column("rows", "", "rows"));
   columns.insert(columns.end(),
-                 {whole_column("x_from", growths.unit, growths.axis + " from"), whole_column("x_to", growths.unit, "to")});
-  for (Column& column : value_columns(growths)) columns.push_back(std::move(column));
+                 {text_column("setting", "technique"), is_time ? stage : for_programs(stage),
+                  number_column("exponent", "", "exponent"), spare(for_people(text_column("exponent_interval", "interval")), 1),
+                  for_programs(number_column("exponent_low", "", "exponent_low")),
+                  for_programs(number_column("exponent_high", "", "exponent_high")),
+                  spare(for_people(text_column("local_slopes", "from point to point")), 5),
+                  for_programs(number_column("slope_least", "", "slope_least")),
+                  for_programs(number_column("slope_greatest", "", "slope_greatest")),
+                  spare(number_column("slope_upper", "", "upper half"), 4),
+                  for_programs(number_column("coefficient", is_time ? "ms" : "", "coefficient")),
+                  for_programs(number_column("r2", "", "R²")), spare(whole_column("points", "", "points"), 6)});
+  if (!is_time) columns.push_back(spare(whole_column("rows", "", "rows"), 7));
+  columns.insert(columns.end(), {spare(whole_column("x_from", growths.unit, growths.axis + " from"), 3),
+                                 spare(whole_column("x_to", growths.unit, "to"), 3)});
+  for (Column& column : value_columns(growths)) columns.push_back(spare(std::move(column), 2));
   columns.push_back(for_programs(text_column("why_not", "why not")));
   return columns;
 }

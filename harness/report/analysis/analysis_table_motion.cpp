@@ -52,12 +52,12 @@ Tables motion_tables(std::span<const Record> records, const AnalysisOptions& opt
   Layout table;
   table.title = fmt::format("Along paths: instability, and {} of every frame", with_unit(error));
   table.columns = place_columns();
-  table.columns.insert(
-      table.columns.end(),
-      {text_column("setting", "technique"), whole_column("frames", "", "frames"), lengthened(instability, "_mean", "mean"),
-       lengthened(instability, "_max", "max"), whole_column("instability_frame", "", "at frame"),
-       lengthened(error, "_mean", "mean"), lengthened(error, "_min", "min"), lengthened(error, "_max", "max"),
-       whole_column(options.metric + "_frame", "", "worst at frame")});
+  table.columns.insert(table.columns.end(),
+                       {text_column("setting", "technique"), spare(whole_column("frames", "", "frames"), 3),
+                        lengthened(instability, "_mean", "mean"), lengthened(instability, "_max", "max"),
+                        spare(whole_column("instability_frame", "", "at frame"), 4), lengthened(error, "_mean", "mean"),
+                        spare(lengthened(error, "_min", "min"), 2), lengthened(error, "_max", "max"),
+                        spare(whole_column(options.metric + "_frame", "", "worst at frame"), 1)});
   if (in_one_table) add_over_time_columns(table);
   add_groups(table, motions, place_of_motion, [&](const PathErrors& motion) {
     Cells cells = place_cells(place_of_motion(motion));

@@ -110,15 +110,16 @@ void add_row(std::vector<Line>& lines, const RowChange& row, bool all) {
 }
 
 /// All rows together come first and always; contenders and rows when they differ.
-std::vector<Line> lines_of(const Comparison& comparison, bool all) {
+std::vector<Line> lines_of(const Comparison& comparison, const CompareTableOptions& options) {
   std::vector<Line> lines;
   for (const OverallChange& change : comparison.overall)
-    if (all || change.contender.empty() || is_called(change.verdict))
+    if (options.all || change.contender.empty() || is_called(change.verdict))
       lines.push_back({.technique = change.contender.empty() ? "all rows" : change.contender,
                        .what = fmt::format("{} ms", name(change.stage)),
                        .values = {"-", "-", interval_text(change.ratio)},
                        .verdict = with_mark(std::string(name(change.verdict)), change.is_regression)});
-  for (const RowChange& row : comparison.rows) add_row(lines, row, all);
+  if (options.over_all) return lines;
+  for (const RowChange& row : comparison.rows) add_row(lines, row, options.all);
   return lines;
 }
 
@@ -161,14 +162,17 @@ std::string legend_text(const Comparison& comparison) {
 }
 
 std::string terminal_text(const Comparison& comparison, const CompareTableOptions& options) {
-  std::string text = fmt::format("base: {}\ncontender: {}\n", options.base, options.contender);
-  for (const auto& [topic, what] : remarks(comparison)) text += fmt::format("{}: {}\n", topic, what);
-  const std::vector<Line> lines = lines_of(comparison, options.all);
+  std::string text;
+  const auto add = [&](const std::string& line) { text += wrapped_line(line, options.width); };
+  add(fmt::format("base: {}", options.base));
+  add(fmt::format("contender: {}", options.contender));
+  for (const auto& [topic, what] : remarks(comparison)) add(fmt::format("{}: {}", topic, what));
+  const std::vector<Line> lines = lines_of(comparison, options);
   if (lines.empty()) return text + '\n';
   TextTable table({{"technique", ""},
                    {"what", ""},
-                   {"base", "", Align::right},
-                   {"contender", "", Align::right},
+                   {"base", "", Align::right, 1},
+                   {"contender", "", Align::right, 1},
                    {"change", "", Align::right},
                    {"verdict", ""}});
   std::string group;
@@ -179,12 +183,14 @@ std::string terminal_text(const Comparison& comparison, const CompareTableOption
     else
       table.add_row({line.technique}, line.note);
   }
-  return fmt::format("{}\n{}\n{}\n", text, table.text(options.width), legend_text(comparison));
+  text += fmt::format("\n{}\n", table.text(options.width));
+  add(legend_text(comparison));
+  return text;
 }
 
 std::string markdown(const Comparison& comparison, const CompareTableOptions& options) {
   std::string text;
-  const std::vector<Line> lines = lines_of(comparison, options.all);
+  const std::vector<Line> lines = lines_of(comparison, options);
   if (!lines.empty())
     text =
         "| scene | light | technique | what | base | contender | change | verdict |\n"
@@ -222,7 +228,8 @@ std::string render_comparison(const Comparison& comparison, Format format, const
   if (format == Format::csv) return comparison_csv(comparison);
   if (format == Format::json) return comparison_json(comparison, options);
   if (format == Format::latex) throw Error("a comparison has no format tex; there are: terminal, md, csv, json");
-  return (format == Format::terminal ? terminal_text : markdown)(comparison, options) + summary_line(comparison) + '\n';
+  if (format == Format::markdown) return markdown(comparison, options) + summary_line(comparison) + '\n';
+  return terminal_text(comparison, options) + wrapped_line(summary_line(comparison), options.width);
 }
 
 }  // namespace gnomon

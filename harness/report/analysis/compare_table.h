@@ -5,9 +5,10 @@
 namespace gnomon {
 
 struct CompareTableOptions {
-  std::string base, contender;  ///< where the records come from, as the user named it
-  bool all = false;             ///< rows and times that do not differ, too
-  std::size_t width = 0;        ///< columns of the terminal; 0: no limit
+  std::string base = {}, contender = {};  ///< where the records come from, as the user named it
+  bool all = false;                       ///< rows and times that do not differ, too
+  std::size_t width = 0;                  ///< columns of the terminal; 0: no limit
+  bool over_all = false;                  ///< for people: only what is over all scenes
 };
 
 /// A comparison for people (terminal, Markdown: what differs, unless all is requested) or for programs (CSV, JSON: everything,

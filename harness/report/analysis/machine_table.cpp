@@ -19,6 +19,7 @@ struct Quantity {
   enum class Kind { time, share, rays };
   const char *name, *heading;
   Kind kind;
+  int spare;
   std::optional<double> (*of)(const Record&);
   Column column(const std::string& full_name, const std::string& full_heading) const {
     if (kind == Kind::time) return number_column(full_name, "ms", full_heading);
@@ -26,11 +27,11 @@ struct Quantity {
   }
 };
 constexpr Quantity quantities[] = {
-    {"frame_ms", "", Quantity::Kind::time, frame_ms},
-    {"frame_device_ms", " device", Quantity::Kind::time, frame_device_ms},
-    {"floor_share", " bare", Quantity::Kind::share, floor_share},
-    {"rays_per_second", " rays", Quantity::Kind::rays, rays_per_second},
-    {"error", " error", Quantity::Kind::share, [](const Record& r) { return r.metric("error"); }},
+    {"frame_ms", "", Quantity::Kind::time, 0, frame_ms},
+    {"frame_device_ms", " device", Quantity::Kind::time, 1, frame_device_ms},
+    {"floor_share", " bare", Quantity::Kind::share, 3, floor_share},
+    {"rays_per_second", " rays", Quantity::Kind::rays, 4, rays_per_second},
+    {"error", " error", Quantity::Kind::share, 0, [](const Record& r) { return r.metric("error"); }},
 };
 
 struct MachineColumn {
@@ -45,11 +46,11 @@ std::vector<MachineColumn> columns_of(std::span<const MachineRun> runs) {
       const auto has = [&](const Record& r) { return r.status == Status::ok && what.of(r); };
       if (std::ranges::none_of(runs[run].records, has)) continue;
       const std::string name = fmt::format("{}.{}", letter(run), what.name), heading = letter(run) + what.heading;
-      columns.push_back({what.column(name, heading), [run, of = what.of](const MachineRow& row) {
+      columns.push_back({spare(what.column(name, heading), what.spare), [run, of = what.of](const MachineRow& row) {
                            return row[run] && row[run]->status == Status::ok ? of(*row[run]) : std::nullopt;
                          }});
       if (run > 0 && &what == &quantities[0])
-        columns.push_back({number_column(fmt::format("{}.ratio", letter(run)), "", fmt::format("A/{}", letter(run))),
+        columns.push_back({spare(number_column(fmt::format("{}.ratio", letter(run)), "", fmt::format("A/{}", letter(run))), 2),
                            [run](const MachineRow& row) -> std::optional<double> {
                              if (!row[0] || !row[run]) return std::nullopt;
                              const auto first = frame_ms(*row[0]), here = frame_ms(*row[run]);
@@ -130,10 +131,6 @@ class MachineTable {
  public:
   MachineTable(std::span<const MachineRun> runs, const MachineTableOptions& options);
   Layout layout() const;
-  /// Whether there were columns of this kind, which the table does without from now on.
-  bool drop(std::string_view kind) {
-    return std::erase_if(columns_, [&](const MachineColumn& column) { return column.column.name.substr(2) == kind; }) > 0;
-  }
 
  private:
   Cells cells(const MachineRow& row) const;
@@ -218,21 +215,9 @@ std::string render_machines(std::span<const MachineRun> runs, Format format, con
   constexpr std::size_t most_runs = 26;
   if (runs.size() < 2 || runs.size() > most_runs)
     throw Error("--by machine takes 2 .. {} folders of runs; {} are given", most_runs, runs.size());
-  MachineTable table(runs, options);
   TableOptions here;
   here.width = options.width;
-  std::string text = render_layout(table.layout(), format, here);
-  if (format != Format::terminal || options.width == 0) return text;
-  // A terminal that is too narrow for all does without some.
-  std::vector<std::string> left_out;
-  for (const std::string_view kind : {"rays_per_second", "floor_share", "ratio", "frame_device_ms"}) {
-    if (terminal_width_of(text) <= options.width) break;
-    if (!table.drop(kind)) continue;
-    left_out.emplace_back(kind);
-    text = render_layout(table.layout(), format, here);
-  }
-  if (!left_out.empty()) text += fmt::format("left out for want of room: {}\n", joined(left_out, ", "));
-  return text;
+  return render_layout(MachineTable(runs, options).layout(), format, here);
 }
 
 }  // namespace gnomon

@@ -58,17 +58,22 @@ Remarks legend(const Layout& layout, const Marks& marks);
 
 // The forms, of columns that their audience sees.
 std::string terminal_table(const Layout& layout, std::size_t width);
-/// Its width: that of the rule below its headings.
-std::size_t terminal_width_of(const std::string& table);
 std::string markdown_table(const Layout& layout);
-/// As many `table` floats as the rows need on pages in landscape, each with booktabs only; a group is cut between two of them
-/// only when it is longer than a page. Long texts wrap into further lines.
+/// As many floats as the rows need where the options put them, each with booktabs only; a group is cut between two of them only
+/// when it is longer than a page. Long texts wrap into further lines. Throws Error when one or both columns of a page have no
+/// room for the columns; a page in landscape takes them as they are.
 std::string latex_table(const Layout& layout, const TableOptions& options);
 std::string csv_table(const Layout& layout);
 /// Its first line, and that of a row.
 std::string csv_heads(std::span<const Column> columns);
 std::string csv_line(std::span<const Cell> cells);
 std::string json_table(const Layout& layout);
+
+/// Names of the spare columns for which there is no room: in so many columns of a terminal, and where a table on paper goes.
+std::vector<std::string> left_out_on_terminal(const Layout& layout, std::size_t width);
+std::vector<std::string> left_out_on_paper(Layout layout, Paper paper);
+/// Takes columns and their cells out.
+void remove_columns(Layout& layout, const std::function<bool(const Column&)>& is_removed);
 
 /// A field of RFC 4180: quoted when it contains a comma, a quote or a line break, quotes doubled.
 std::string csv_field(std::string_view text);

@@ -15,12 +15,20 @@ enum class Format { terminal, markdown, csv, latex, json };
 /// "md", "csv", "tex", "json", "terminal"; throws Error with the list on anything else.
 Format format_named(std::string_view name);
 
+/// Where a table on paper goes: on a page in landscape, across both columns of a page, in one of them.
+enum class Paper { landscape, page, column };
+
+/// "landscape", "page", "column"; throws Error with the list on anything else.
+Paper paper_named(std::string_view name);
+
 struct TableOptions {
-  /// Names of columns in their order. Empty: for people the headline columns, for programs (CSV, JSON) every column.
+  /// Names or headings of columns in their order. Empty: for people the headline columns, for programs (CSV, JSON) every
+  /// column.
   std::vector<std::string> columns = {};
   std::size_t width = 0;     ///< columns of the terminal, where text may wrap; 0: no limit
   std::string caption = {};  ///< of the LaTeX table; a sentence about the records when empty
   std::string label = "tab:gnomon";
+  Paper paper = Paper::landscape;
 };
 
 /// The comparison table of the records. Terminal, Markdown and LaTeX group rows by scene, light and view, mark the best

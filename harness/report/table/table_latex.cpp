@@ -37,10 +37,29 @@ constexpr std::array<std::pair<std::string_view, std::string_view>, 25> replacem
     {"\n", " "},
 }};
 
-constexpr std::size_t page_lines = 34;   // of small print, beside caption and rules, on a page in landscape
-constexpr std::size_t page_width = 150;  // characters of small print across it
+/// What a float takes, in lines and characters of small print. A character is reckoned as 4.9 pt, a fifth more than most are.
+struct Room {
+  std::string_view of;           ///< what the document needs, beside booktabs
+  std::string_view environment;  ///< of the float
+  std::string_view place;
+  std::size_t width;
+  std::size_t heading;  ///< characters in a line above a group
+  std::size_t lines;    ///< beside caption and rules
+};
+// In the order of Paper. Of the usual classes article has the narrowest columns, on A4.
+constexpr Room rooms[] = {{"a page in landscape", "table", "p", 150, std::string::npos, 34},
+                          {"452 pt across both columns of a page", "table*", "tp", 92, 74, 52},
+                          {"a column of 220 pt", "table", "tp", 45, 36, 52}};
+const Room& room_of(Paper paper) { return rooms[static_cast<std::size_t>(paper)]; }
+
 constexpr std::size_t held_floats = 40;  // printed together; LaTeX gives up when it holds more than 52
 constexpr std::size_t least_text = 14;   // no column of words becomes narrower
+
+/// The column whose cells name the reason of a row.
+std::size_t reason_column(const Layout& layout) {
+  const auto support = std::ranges::find(layout.columns, "support", &Column::name);
+  return support == layout.columns.end() ? 0 : static_cast<std::size_t>(support - layout.columns.begin());
+}
 
 /// A row cut into lines: words wrap, numbers are on the first.
 std::vector<std::vector<std::string>> lines_of(const Layout::Row& row, const Layout& layout,
@@ -59,7 +78,7 @@ std::vector<std::vector<std::string>> lines_of(const Layout::Row& row, const Lay
     std::string& last = lines[pieces.size() - 1][i];
     if (row.cells[i].is_floored) last += "$^\\circ$";
     if (row.cells[i].is_flagged) last += "$^\\dagger$";
-    if (row.reason > 0 && column.name == "support") last += fmt::format("$^{{{}}}$", row.reason);
+    if (row.reason > 0 && i == reason_column(layout)) last += fmt::format("$^{{{}}}$", row.reason);
   }
   return lines;
 }
@@ -67,8 +86,8 @@ std::vector<std::vector<std::string>> lines_of(const Layout::Row& row, const Lay
 /// Blanks between the columns of a row, with those around it.
 std::size_t gaps_across(const Layout& layout) { return 2 * layout.columns.size(); }
 
-/// Widths of the columns in characters, such that the whole fits the page: the widest columns of words give way.
-std::vector<std::size_t> fitting_widths(const Layout& layout) {
+/// Widths of the columns in characters, such that the whole fits the room: the widest columns of words give way.
+std::vector<std::size_t> fitting_widths(const Layout& layout, const Room& room) {
   std::vector<std::size_t> widths, least;
   for (std::size_t i = 0; i < layout.columns.size(); ++i) {
     const Column& column = layout.columns[i];
@@ -80,8 +99,13 @@ std::vector<std::size_t> fitting_widths(const Layout& layout) {
     widths.push_back(width);
     least.push_back(column.alignment == Align::left ? least_text : width);
   }
-  shrink(widths, least, gaps_across(layout), page_width);
+  shrink(widths, least, gaps_across(layout), room.width);
   return widths;
+}
+
+/// Characters across, gaps included.
+std::size_t across(const Layout& layout, std::span<const std::size_t> widths) {
+  return std::accumulate(widths.begin(), widths.end(), gaps_across(layout));
 }
 
 /// The head of every float: headings over units, wrapped at blanks, the last line on the bottom.
@@ -106,21 +130,23 @@ struct Block {
   std::size_t lines = 0;
 };
 
-std::vector<Block> blocks_of(const Layout& layout, const std::vector<std::size_t>& widths) {
+std::vector<Block> blocks_of(const Layout& layout, const std::vector<std::size_t>& widths, const Room& room, std::size_t most) {
   std::vector<Block> blocks;
   for (const Layout::Group& group : layout.groups) {
     const auto open = [&](std::string_view remark) {
       Block& block = blocks.emplace_back();
       block.text = "    \\midrule\n";
       if (group.heading.empty()) return;
-      block.text += fmt::format("    \\multicolumn{{{}}}{{@{{}}l}}{{\\emph{{{}{}}}}} \\\\\n", layout.columns.size(),
-                                latex_text(group.heading), remark);
-      block.lines = 1;
+      for (const std::string& piece : wrap(fmt::format("{}{}", group.heading, remark), room.heading)) {
+        block.text +=
+            fmt::format("    \\multicolumn{{{}}}{{@{{}}l}}{{\\emph{{{}}}}} \\\\\n", layout.columns.size(), latex_text(piece));
+        ++block.lines;
+      }
     };
     open("");
     for (const Layout::Row& row : group.rows) {
       const auto lines = lines_of(row, layout, widths);
-      if (blocks.back().lines + lines.size() > page_lines) open(" (continued)");
+      if (blocks.back().lines + lines.size() > most) open(" (continued)");
       for (const auto& line : lines) blocks.back().text += fmt::format("    {} \\\\\n", joined(line, " & "));
       blocks.back().lines += lines.size();
     }
@@ -129,11 +155,11 @@ std::vector<Block> blocks_of(const Layout& layout, const std::vector<std::size_t
 }
 
 /// The bodies of the floats: as many blocks in each as its page holds.
-std::vector<std::string> pages_of(std::span<const Block> blocks) {
+std::vector<std::string> pages_of(std::span<const Block> blocks, std::size_t most) {
   std::vector<std::string> pages{""};
   std::size_t used = 0;
   for (const Block& block : blocks) {
-    if (used > 0 && used + block.lines > page_lines) {
+    if (used > 0 && used + block.lines > most) {
       pages.emplace_back();
       used = 0;
     }
@@ -156,6 +182,13 @@ std::vector<std::string> lines_below(const Layout& layout) {
   return lines;
 }
 
+/// Lines of their own paragraph each would be a page of short lines.
+std::string paragraph_of(std::span<const std::string> lines) {
+  std::string text = lines.empty() ? "" : "\n  \\smallskip\\raggedright\n";
+  for (const std::string& line : lines) text += fmt::format("  {}.\n", line);
+  return text;
+}
+
 }  // namespace
 
 std::string latex_text(std::string_view text) {
@@ -169,31 +202,53 @@ std::string latex_text(std::string_view text) {
   return safe;
 }
 
+std::vector<std::string> left_out_on_paper(Layout layout, Paper paper) {
+  const Room& room = room_of(paper);
+  std::vector<std::string> left_out;
+  if (paper == Paper::landscape) return left_out;
+  while (across(layout, fitting_widths(layout, room)) > room.width) {
+    const int most = std::ranges::max(layout.columns, {}, &Column::spare).spare;
+    if (most == 0) break;
+    for (const Column& column : layout.columns)
+      if (column.spare == most) left_out.push_back(column.name);
+    remove_columns(layout, [&](const Column& column) { return column.spare == most; });
+  }
+  return left_out;
+}
+
 std::string latex_table(const Layout& layout, const TableOptions& options) {
+  const Room& room = room_of(options.paper);
+  const bool is_wide = options.paper == Paper::landscape;
   const std::string& caption = options.caption.empty() ? layout.title : options.caption;
-  const std::vector<std::size_t> widths = fitting_widths(layout);
-  const std::vector<std::string> pages = pages_of(blocks_of(layout, widths)), below = lines_below(layout);
+  const std::vector<std::size_t> widths = fitting_widths(layout, room);
+  const std::size_t characters = across(layout, widths);
+  if (!is_wide && characters > room.width)
+    throw Error("--fit {} has room for {} characters, and the {} columns take {}; choose fewer, or --fit landscape",
+                options.paper == Paper::column ? "column" : "page", room.width, layout.columns.size(), characters);
+  const std::vector<std::string> below = lines_below(layout);
+  const std::size_t below_lines = 1 + joined(below, " ").size() / room.width;
+  // Lines below that are longer than the half of a page follow the last float as text.
+  const bool is_apart = !is_wide && below_lines > room.lines / 2;
+  const std::size_t most = is_wide || is_apart ? room.lines : room.lines - below_lines;
+  const std::vector<std::string> pages = pages_of(blocks_of(layout, widths, room, most), most);
   std::string alignments;
   for (const Column& column : layout.columns) alignments += column.alignment == Align::right ? 'r' : 'l';
-  const std::size_t across = std::accumulate(widths.begin(), widths.end(), gaps_across(layout));
-  const std::string_view size = across <= page_width * 4 / 5 ? "footnotesize" : "scriptsize";
-  std::string text = "% Needs \\usepackage{booktabs} and a page in landscape.\n";
+  const std::string_view size = characters <= room.width * 4 / 5 ? "footnotesize" : "scriptsize";
+  std::string text = fmt::format("% Needs \\usepackage{{booktabs}} and {}.\n", room.of);
   for (std::size_t page = 0; page < pages.size(); ++page) {
     const std::string part = pages.size() > 1 ? fmt::format(" ({} of {})", page + 1, pages.size()) : "";
-    text += fmt::format("\\begin{{table}}[p]\n  \\centering\\{}\\setlength{{\\tabcolsep}}{{4pt}}\n", size);
+    text += fmt::format("\\begin{{{}}}[{}]\n  \\centering\\{}\\setlength{{\\tabcolsep}}{{4pt}}\n", room.environment, room.place,
+                        size);
     text += fmt::format("  \\caption{{{}{}}}\n", latex_text(caption), part);
     if (page == 0) text += fmt::format("  \\label{{{}}}\n", options.label);
     text += fmt::format("  \\begin{{tabular}}{{@{{}}{}@{{}}}}\n    \\toprule\n{}", alignments, head_lines(layout, widths));
     text += pages[page] + "    \\bottomrule\n  \\end{tabular}\n";
     const bool is_last = page + 1 == pages.size();
-    if (is_last && !below.empty()) {
-      // Lines of their own paragraph each would be a page of short lines.
-      text += "\n  \\smallskip\\raggedright\n";
-      for (const std::string& line : below) text += fmt::format("  {}.\n", line);
-    }
-    text += "\\end{table}\n";
+    if (is_last && !is_apart) text += paragraph_of(below);
+    text += fmt::format("\\end{{{}}}\n", room.environment);
     if (!is_last && (page + 1) % held_floats == 0) text += "\\clearpage\n";
   }
+  if (is_apart) text += fmt::format("{{\\{}{}\\par}}\n", size, paragraph_of(below));
   return text;
 }
 

@@ -22,21 +22,25 @@ std::string marks_of(const Cell& cell) {
   return std::string(cell.is_flagged ? "!" : cell.is_best ? "*" : "") + (cell.is_floored ? "\u00b0" : "");
 }
 
-}  // namespace
+/// The rows of a table as text, and the reasons that did not fit into their row, numbered by first use.
+struct Body {
+  TextTable table;
+  std::vector<std::size_t> noted = {};
+};
 
-std::string terminal_table(const Layout& layout, std::size_t width) {
+Body body_of(const Layout& layout) {
   std::vector<TextTable::Column> columns;
-  for (const Column& column : layout.columns) columns.push_back({column.heading, column.shown_unit, column.alignment});
+  for (const Column& column : layout.columns)
+    columns.push_back({column.heading, column.shown_unit, column.alignment, column.spare});
   // Marks have a column of their own width behind the number, so that digits stay under digits.
   std::vector<std::size_t> room(columns.size(), 0);
   for (const Layout::Group& group : layout.groups)
     for (const Layout::Row& row : group.rows)
       for (std::size_t i = 0; i < row.cells.size(); ++i) room[i] = std::max(room[i], display_width(marks_of(row.cells[i])));
 
-  TextTable table(std::move(columns));
-  std::vector<std::size_t> noted;  // reasons that did not fit into their row, numbered by first use
+  Body body{TextTable(std::move(columns))};
   for (const Layout::Group& group : layout.groups) {
-    if (!group.heading.empty()) table.add_heading(group.heading);
+    if (!group.heading.empty()) body.table.add_heading(group.heading);
     for (const Layout::Row& row : group.rows) {
       std::vector<std::string> cells;
       for (std::size_t i = 0; i < row.cells.size(); ++i) {
@@ -46,30 +50,39 @@ std::string terminal_table(const Layout& layout, std::size_t width) {
       const std::size_t filled = filled_columns(layout, row);
       if (row.reason > 0 && filled < cells.size()) {
         cells.resize(filled);
-        table.add_row(std::move(cells), printable(row.record->reason, true));
+        body.table.add_row(std::move(cells), printable(row.record->reason, true));
         continue;
       }
       if (row.reason > 0) {
-        add_once(noted, row.reason);
+        add_once(body.noted, row.reason);
         for (std::size_t i = 0; i < cells.size(); ++i)
-          if (layout.columns[i].name == "support") cells[i] += fmt::format(" [{}]", index_of(noted, row.reason) + 1);
+          if (layout.columns[i].name == "support") cells[i] += fmt::format(" [{}]", index_of(body.noted, row.reason) + 1);
       }
-      table.add_row(std::move(cells));
+      body.table.add_row(std::move(cells));
     }
   }
-
-  std::string text = (layout.title.empty() ? "" : layout.title + "\n\n") + table.text(width) + '\n';
-  for (std::size_t i = 0; i < noted.size(); ++i)
-    text += fmt::format("[{}] {}\n", i + 1, printable(layout.reasons[noted[i] - 1], true));
-  for (const auto& [mark, meaning] : legend(layout, {"*", "\u00b0", "!"})) text += fmt::format("{}: {}\n", mark, meaning);
-  for (const std::string& note : layout.notes) text += note + '\n';
-  for (const auto& [topic, what] : layout.provenance) text += fmt::format("{}: {}\n", topic, what);
-  return text;
+  return body;
 }
 
-std::size_t terminal_width_of(const std::string& text) {
-  const std::size_t rule = text.find("\n---");
-  return rule == std::string::npos ? 0 : text.find('\n', rule + 1) - rule - 1;
+}  // namespace
+
+std::vector<std::string> left_out_on_terminal(const Layout& layout, std::size_t width) {
+  std::vector<std::string> names;
+  for (const std::size_t i : body_of(layout).table.left_out(width)) names.push_back(layout.columns[i].name);
+  return names;
+}
+
+std::string terminal_table(const Layout& layout, std::size_t width) {
+  const Body body = body_of(layout);
+  std::string text = layout.title.empty() ? "" : wrapped_line(layout.title, width) + '\n';
+  text += body.table.text(width) + '\n';
+  const auto add = [&](const std::string& line) { text += wrapped_line(line, width); };
+  for (std::size_t i = 0; i < body.noted.size(); ++i)
+    add(fmt::format("[{}] {}", i + 1, printable(layout.reasons[body.noted[i] - 1], true)));
+  for (const auto& [mark, meaning] : legend(layout, {"*", "\u00b0", "!"})) add(fmt::format("{}: {}", mark, meaning));
+  for (const std::string& note : layout.notes) add(note);
+  for (const auto& [topic, what] : layout.provenance) add(fmt::format("{}: {}", topic, what));
+  return text;
 }
 
 }  // namespace gnomon
