@@ -2,7 +2,6 @@
 
 #include <fcntl.h>
 #include <gnomon/registry.h>
-#include <sys/ioctl.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -136,11 +135,6 @@ int run_program(int argc, char** argv) {
 Truth parse_truth(const std::string& text) {
   if (text != "shape" && text != "mesh") throw Error("--truth {} is neither shape nor mesh", text);
   return text == "mesh" ? Truth::mesh : Truth::shape;
-}
-
-std::size_t terminal_width() {
-  winsize window{};
-  return ioctl(STDOUT_FILENO, TIOCGWINSZ, &window) == 0 ? window.ws_col : 0;
 }
 
 std::filesystem::path timed_folder(const std::string& name) {

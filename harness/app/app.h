@@ -47,9 +47,6 @@ Truth parse_truth(const std::string& text);
 /// The tables of a run's folder: table.md, table.csv, table.tex and table.json beside its records. None for no records.
 void write_tables(const std::filesystem::path& folder, std::span<const Record> records);
 
-/// Columns of the terminal on stdout; 0, no limit, when there is none.
-std::size_t terminal_width();
-
 /// runs/NAME-TIME, where no option names a folder.
 std::filesystem::path timed_folder(const std::string& name);
 

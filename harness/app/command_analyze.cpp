@@ -3,6 +3,7 @@
 #include <unordered_map>
 
 #include "app/app.h"
+#include "app/table_options.h"
 #include "measure/notice.h"
 #include "measure/record/merge.h"
 #include "report/analysis/analysis_table.h"
@@ -15,8 +16,8 @@ namespace {
 /// For each kind of analysis or figure: the options that it takes beside those that every kind takes.
 const std::map<std::string, std::vector<std::string>> taken_options{
     {"growth", {"--x", "--error"}},
-    {"front", {"--error", "--cost", "--all"}},
-    {"best", {"--error", "--cost", "--times", "--memories", "--errors"}},
+    {"front", {"--error", "--cost", "--all", "--over-all"}},
+    {"best", {"--error", "--cost", "--times", "--memories", "--errors", "--over-all"}},
     {"rank", {"--error", "--cost", "--all-pairs"}},
     {"map", {"--x", "--y", "--facet", "--error"}},
     {"motion", {"--error"}},
@@ -53,7 +54,8 @@ struct Options {
   AnalysisOptions analysis;
 };
 struct AnalyzeOptions : Options {
-  std::string format = "terminal";
+  std::string format = "terminal", paper = "landscape";
+  TableWidth width;
   TableOptions table;
 };
 struct PictureOptions : Options {
@@ -126,20 +128,31 @@ std::vector<Record> read_runs(const Options& options) {
   return all;
 }
 
+/// Replaces headings as tables print them by the names of the quantities.
+void name_quantities(AnalysisOptions& options, std::span<const Record> records) {
+  options.metric = quantity_named(records, options.metric);
+  if (!options.growing.empty()) options.growing = options.metric;
+}
+
 void print_analysis(AnalyzeOptions& options, const Command& command) {
   const Format format = format_named(options.format);
   const std::string kind = take_kind(options, command, "analyze", analysis_kinds());
-  options.table.width = terminal_width();
-  fmt::print("{}", analyze(read_runs(options), kind, options.analysis, format, options.table));
+  options.table.width = options.width.columns();
+  options.table.paper = paper_named(options.paper);
+  const std::vector<Record> records = read_runs(options);
+  name_quantities(options.analysis, records);
+  fmt::print("{}", analyze(records, kind, options.analysis, format, options.table));
 }
 
 void make_figure(PictureOptions& options, const Command& command) {
   const std::string kind = take_kind(options, command, "figure", figure_kinds());
   if (options.out.empty() && !options.script) throw Error("figure needs --out FILE.svg, .pdf or .png, or --script");
   const std::filesystem::path out = options.out.empty() ? "figure.svg" : options.out;
+  const std::vector<Record> records = read_runs(options);
+  name_quantities(options.analysis, records);
   options.figure.analysis = options.analysis;
   if (command.is_given("--cost")) options.figure.bars = options.analysis.cost;
-  const std::string program_text = figure_script(read_runs(options), kind, options.figure, out);
+  const std::string program_text = figure_script(records, kind, options.figure, out);
   if (options.script)
     fmt::print("{}", program_text);
   else
@@ -162,7 +175,9 @@ void add_analyze(Program& program) {
                  {.check = above_zero(), .delimiter = ','});
   command.flag("--all", &options.analysis.all, "front: beaten settings too");
   command.flag("--all-pairs", &options.analysis.all_pairs, "rank: every pair, not only the best against each");
-  command.option("--caption", &options.table.caption, "Caption of the LaTeX table");
+  command.flag("--over-all", &options.analysis.over_all, "front, best: only what is over all places");
+  add_paper_options(command, options.table, options.paper);
+  add_width_options(command, options.width);
 }
 
 void add_figure(Program& program) {

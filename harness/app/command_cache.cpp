@@ -52,8 +52,8 @@ int list_files(const fs::path& folder, const std::vector<CachedFile>& files, boo
     bytes += kind.bytes;
   }
   table.add_row({"all", fmt::format("{}", files.size()), megabytes(bytes)});
-  fmt::print("{}\n{}at most {} MB are kept ($GNOMON_CACHE_LIMIT), what was used last\n", folder.string(),
-             table.text(terminal_width()), frame_cache_limit() / 1'000'000);
+  fmt::print("{}\n{}at most {} MB are kept ($GNOMON_CACHE_LIMIT), what was used last\n", folder.string(), table.text(),
+             frame_cache_limit() / 1'000'000);
   return 0;
 }
 

@@ -4,6 +4,7 @@
 #include <chrono>
 
 #include "app/app.h"
+#include "app/table_options.h"
 #include "measure/conformance/child.h"
 #include "measure/progress.h"
 #include "report/conformance.h"
@@ -17,6 +18,7 @@ struct CheckOptions {
   std::vector<std::string> rules;
   double timeout = 120;
   bool json = false;
+  TableWidth width;
 };
 
 /// In the order of the list, whatever the order of the names; all where none is named. Throws Error on a name that is no
@@ -47,7 +49,7 @@ int check(const CheckOptions& options, const Program& program) {
     }
   }
   fmt::print("{}", options.json ? json_text(conformance::check_json(entry.id, judged), 2) + "\n"
-                                : conformance::check_text(judged, terminal_width()));
+                                : conformance::check_text(judged, options.width.columns()));
   return has_failed ? 1 : 0;
 }
 
@@ -61,6 +63,7 @@ void add_check(Program& program) {
   command.option("--rule", &options.rules, "Only these rules; `gnomon list rules` has them");
   command.option("--timeout", &options.timeout, "Seconds that one rule may take", {.check = seconds()});
   command.flag("--json", &options.json, "As JSON");
+  add_width_options(command, options.width);
 }
 
 }  // namespace gnomon::app

@@ -1,5 +1,6 @@
 #include "app/app.h"
 #include "app/suite_options.h"
+#include "app/table_options.h"
 #include "measure/run/run.h"
 #include "report/analysis/compare_table.h"
 
@@ -10,7 +11,8 @@ namespace {
 struct CompareCommand : SuiteOptions {
   std::string base, contender, format = "terminal";
   CompareOptions compare;
-  bool all = false, quiet = false;
+  bool all = false, over_all = false, quiet = false;
+  TableWidth width;
   RunOptions live;
   std::string base_program;  ///< with --live
 };
@@ -45,7 +47,12 @@ int run(CompareCommand& options, const Program& program) {
   if (comparison.counts().matched == 0)
     throw Error("{} and {} have no row in common: {} and {} rows of other scenes, settings, sizes or truths", options.base,
                 options.contender, base.size(), contender.size());
-  fmt::print("{}", render_comparison(comparison, format, {options.base, options.contender, options.all, terminal_width()}));
+  fmt::print("{}", render_comparison(comparison, format,
+                                     {.base = options.base,
+                                      .contender = options.contender,
+                                      .all = options.all,
+                                      .width = options.width.columns(),
+                                      .over_all = options.over_all}));
   return comparison.counts().regressions > 0 ? 1 : 0;
 }
 
@@ -68,6 +75,8 @@ void add_compare(Program& program) {
                  {.check = number_in(0, 1)});
   command.option("--format", &options.format, "terminal, md, csv or json");
   command.flag("--all", &options.all, "Also what does not differ");
+  command.flag("--over-all", &options.over_all, "For people: only what is over all scenes, no row");
+  add_width_options(command, options.width);
   command.flag("--force", &compare.force, "Judge times of different processors, too");
   const auto live =
       command.option("--live", &options.base_program,

@@ -3,6 +3,7 @@
 
 #include "analysis/analysis.h"
 #include "app/app.h"
+#include "app/table_options.h"
 #include "measure/part_file.h"
 #include "measure/paths.h"
 #include "measure/run/suite.h"
@@ -24,7 +25,7 @@ void print(const std::string& text, const Json& json, bool as_json) {
   fmt::print("{}", as_json ? json_text(json, 2) + "\n" : text);
 }
 
-void print_scenes(bool as_json) {
+void print_scenes(bool as_json, std::size_t width) {
   Json list = Json::array();
   TextTable table({{"scene", ""}, {"kind", ""}, {"what it is", ""}});
   for (const SceneListing& scene : list_scenes()) {
@@ -36,10 +37,10 @@ void print_scenes(bool as_json) {
     const std::string kind = scene.generated ? "generated" : scene.available ? "described" : "not fetched";
     table.add_row({scene.id, kind, scene.summary.empty() ? scene.title : scene.summary});
   }
-  print(table.text(terminal_width()), list, as_json);
+  print(table.text(width), list, as_json);
 }
 
-void print_suites(bool as_json) {
+void print_suites(bool as_json, std::size_t width) {
   Json list = Json::array();
   TextTable table({{"suite", ""}, {"rows", "", Align::right}, {"what it is", ""}});
   for (const std::string& id : suite_names()) {
@@ -52,25 +53,25 @@ void print_suites(bool as_json) {
     list.push_back({{"id", id}, {"title", suite.title}, {"rows", rows}});
     table.add_row({id, std::to_string(rows), suite.title});
   }
-  print(table.text(terminal_width()), list, as_json);
+  print(table.text(width), list, as_json);
 }
 
 struct ListOptions {
   std::string what = "techniques";
   bool json = false;
+  TableWidth width;
 };
 
 void list_content(const ListOptions& options) {
   const auto techniques = std::span(registry().techniques());
-  const auto print_all = [&](const auto&... infos) {
-    print(list_text(infos..., terminal_width()), list_json(infos...), options.json);
-  };
+  const std::size_t width = options.width.columns();
+  const auto print_all = [&](const auto&... infos) { print(list_text(infos..., width), list_json(infos...), options.json); };
   if (options.what == "techniques") return print_all(techniques);
   if (options.what == "metrics") return print_all(metric_infos());
   if (options.what == "causes") return print_all(cause_infos(), techniques);
   if (options.what == "rules") return print_all(conformance::rules());
-  if (options.what == "scenes") return print_scenes(options.json);
-  if (options.what == "suites") return print_suites(options.json);
+  if (options.what == "scenes") return print_scenes(options.json, width);
+  if (options.what == "suites") return print_suites(options.json, width);
   require_word("there is no list", options.what,
                std::vector<std::string>{"techniques", "scenes", "suites", "metrics", "causes", "rules"});
 }
@@ -78,6 +79,7 @@ void list_content(const ListOptions& options) {
 struct DescribeOptions {
   std::string id;
   bool json = false;
+  TableWidth width;
 };
 
 void describe(const DescribeOptions& options) {
@@ -87,7 +89,7 @@ void describe(const DescribeOptions& options) {
   for (const TechniqueEntry& entry : registry().techniques()) {
     if (entry.id == stem && scene_part == options.id) {
       fmt::print("{}", options.json ? json_text(describe_json(entry, settings), 2) + "\n"
-                                    : describe_text(entry, terminal_width(), settings));
+                                    : describe_text(entry, options.width.columns(), settings));
       return;
     }
     names.push_back(entry.id);
@@ -99,7 +101,7 @@ void describe(const DescribeOptions& options) {
                 joined(names, ", "));
   const Scene scene = load_scene(options.id);
   fmt::print("{}", options.json ? json_text(describe_json(options.id, scene), 2) + "\n"
-                                : describe_text(options.id, scene, terminal_width()));
+                                : describe_text(options.id, scene, options.width.columns()));
 }
 
 struct DocsOptions {
@@ -136,6 +138,7 @@ void add_list(Program& program) {
       "list", "What there is: techniques, scenes, suites, metrics, causes or rules", list_content);
   command.option("what", &options.what, "techniques, scenes, suites, metrics, causes or rules");
   command.flag("--json", &options.json, "As JSON");
+  add_width_options(command, options.width);
 }
 
 void add_describe(Program& program) {
@@ -143,6 +146,7 @@ void add_describe(Program& program) {
   command.option("id", &options.id, "Technique or scene, with settings or without (ID, ID:of=ID), or a scene file",
                  {.is_required = true});
   command.flag("--json", &options.json, "As JSON");
+  add_width_options(command, options.width);
 }
 
 void add_docs(Program& program) {

@@ -4,6 +4,7 @@
 
 #include "app/app.h"
 #include "app/suite_options.h"
+#include "app/table_options.h"
 #include "measure/counted.h"
 #include "measure/notice.h"
 #include "measure/paths.h"
@@ -14,6 +15,7 @@
 #include "measure/scene/blob.h"
 #include "measure/worker/machine_context.h"
 #include "report/table/table.h"
+#include "report/table/text_table.h"
 
 namespace gnomon::app {
 
@@ -25,18 +27,20 @@ struct RunCommand : SuiteOptions {
   RunOptions run;
   std::string shard;
   bool dry_run = false, quiet = false;
+  TableWidth width;
 };
 
 struct MergeOptions {
   std::vector<fs::path> dirs;
   fs::path out;
   bool prefer_last = false;
+  TableWidth width;
 };
 
 /// What a folder of a run holds, for the terminal.
-void print_contents(const fs::path& folder) {
+void print_contents(const fs::path& folder, std::size_t width) {
   const auto line = [&](std::string_view name, std::string_view what) {
-    fmt::print("{}/{:<15}{}\n", folder.string(), name, what);
+    fmt::print("{}", wrapped_line(fmt::format("{}/{:<15}{}", folder.string(), name, what), width));
   };
   line("records.jsonl", "every raw repetition and metric");
   line("run.json", "command, suite, scenes and build that made them");
@@ -142,14 +146,17 @@ int run(RunCommand& options, const Program& program) {
     return 0;
   }
   write_tables(run_options.out, records);
-  fmt::print("{}\n", render_table(records, Format::terminal, {.width = terminal_width()}));
+  const std::size_t width = options.width.columns();
+  fmt::print("{}\n", render_table(records, Format::terminal, {.width = width}));
   if (!summary.left_out.empty())
-    fmt::print("left out, for they support nothing of a group: {}\n\n", joined(summary.left_out, "; "));
+    fmt::print(
+        "{}\n",
+        wrapped_line(fmt::format("left out, for they support nothing of a group: {}", joined(summary.left_out, "; ")), width));
   fmt::print("{}: {} ok, {} unsupported, {} failed", counted(summary.ok + summary.unsupported + summary.failed, "row{s}"),
              summary.ok, summary.unsupported, summary.failed);
   if (summary.done_before) fmt::print("; {} done before", counted(summary.done_before, "{was|were}"));
   fmt::print("; {}\n\n", duration_text(summary.seconds));
-  print_contents(run_options.out);
+  print_contents(run_options.out, width);
   if (!has_answers(records) && run_options.shard_count == 1) return 1;  // of a shard, the others may have what it lacks
   // Failed rows of an earlier, resumed run count too.
   return count(records, Status::failed) > 0 ? 1 : 0;
@@ -195,10 +202,10 @@ int merge(const MergeOptions& options) {
   }
   const std::size_t failed = count(records, Status::failed);
   fmt::print("{}\n{}: {} ok, {} unsupported, {} failed from {}\n\n",
-             render_table(records, Format::terminal, {.width = terminal_width()}), counted(records.size(), "row{s}"),
+             render_table(records, Format::terminal, {.width = options.width.columns()}), counted(records.size(), "row{s}"),
              count(records, Status::ok), count(records, Status::unsupported), failed,
              counted(options.dirs.size(), "folder{s}"));
-  print_contents(options.out);
+  print_contents(options.out, options.width.columns());
   return failed > 0 ? 1 : 0;
 }
 
@@ -226,6 +233,7 @@ void add_run(Program& program) {
   command.flag("--rebuilt", &options.run.rebuilt, "With --resume: rows that other code measured are run again", resume);
   command.flag("--dry-run", &options.dry_run, "Print the rows and how long they may take; run nothing");
   command.flag("--quiet", &options.quiet, "No progress");
+  add_width_options(command, options.width);
 }
 
 void add_merge(Program& program) {
@@ -235,6 +243,7 @@ void add_merge(Program& program) {
   command.option("--out", &options.out, "Folder to write to; it may not hold records",
                  {.is_required = true, .check = not_empty()});
   command.flag("--prefer-last", &options.prefer_last, "Where folders disagree on a row, take the last one's");
+  add_width_options(command, options.width);
 }
 
 }  // namespace gnomon::app

@@ -4,6 +4,7 @@
 #include "analysis/analysis.h"
 #include "app/app.h"
 #include "app/staged_folder.h"
+#include "app/table_options.h"
 #include "app/time_option.h"
 #include "measure/paths.h"
 #include "measure/picture/picture.h"
@@ -29,6 +30,7 @@ struct ScoreOptions {
   TimeOption time;
   fs::path mask, out;
   bool json = false;
+  TableWidth width;
 };
 
 /// A light of the scene, and the channel of the file with its mask.
@@ -99,7 +101,7 @@ std::vector<float> read_mask(const fs::path& file, const std::string& channel, i
 }
 
 /// `causes`: what each holds of the error.
-std::string text_of(const Metrics& metrics, const std::map<std::string, double>& causes) {
+std::string text_of(const Metrics& metrics, const std::map<std::string, double>& causes, std::size_t width) {
   TextTable table({{"metric", ""}, {"value", "", Align::right}, {"unit", ""}, {"what it is", ""}});
   const auto add = [&](const std::string& name, std::optional<double> value, std::string_view unit, std::string_view sentence) {
     const bool is_share = unit.empty();
@@ -111,7 +113,7 @@ std::string text_of(const Metrics& metrics, const std::map<std::string, double>&
   for (const CauseInfo& info : cause_infos())
     if (const auto found = causes.find(std::string(info.name)); found != causes.end())
       add(fmt::format("cause.{}", info.name), found->second, "", info.sentence);
-  return table.text(terminal_width());
+  return table.text(width);
 }
 
 Json json_of(const Metrics& metrics) {
@@ -182,7 +184,7 @@ void report(const Question& question, std::size_t k, const ScoredMask& mask, Jso
     fmt::print("{}{}, light {}, view {}, {} x {}, {} truth: {} of {} pixels facing the light are tested\n\n{}",
                k == 0 ? "" : "\n", scene_in_words(options.scene), light_of(masks), key.view.name, key.width, key.height,
                options.truth, score.errors.tested, score.errors.facing,
-               text_of(score.whole.metrics, shares_of(causes_that_occur(score.whole), score)));
+               text_of(score.whole.metrics, shares_of(causes_that_occur(score.whole), score), options.width.columns()));
     if (const std::string words = mask.words(); !words.empty()) fmt::print("\n{}\n", words);
     return;
   }
@@ -334,6 +336,7 @@ void add_score(Program& program) {
   command.option("--out", &options.out, "Folder for error and shaded pictures; with --label that of a run, new or there",
                  {.check = not_empty()});
   command.flag("--json", &options.json, "As JSON");
+  add_width_options(command, options.width);
 }
 
 }  // namespace gnomon::app
