@@ -66,11 +66,12 @@ std::vector<Column> front_columns(const Column& error, const Column& cost, std::
   std::vector<Column> columns = place_columns();
   columns.insert(columns.end(), {text_column("setting", "technique"), for_programs(text_column("role", "role"))});
   add_error_columns(columns, error, fields);
-  columns.insert(columns.end(), {cost, spare(for_people(text_column("cost_interval", "interval")), 2),
-                                 for_programs(number_column("cost_low", cost.unit, "cost_low")),
-                                 for_programs(number_column("cost_high", cost.unit, "cost_high")),
-                                 spare(number_column("relative_cost", "", "relative"), 1), text_column("standing", "standing"),
-                                 for_programs(text_column("beaten_by", "beaten by"))});
+  columns.insert(columns.end(),
+                 {cost, spare(for_people(text_column("cost_interval", "interval")), 3),
+                  for_programs(number_column("cost_low", cost.unit, "cost_low")),
+                  for_programs(number_column("cost_high", cost.unit, "cost_high")),
+                  spare(number_column("relative_cost", "", "relative"), 2), spare(text_column("standing", "standing"), 1),
+                  for_programs(text_column("beaten_by", "beaten by"))});
   return columns;
 }
 
@@ -143,7 +144,8 @@ std::vector<Column> best_columns(const AnalysisOptions& options, const BestColum
                  {for_programs(text_column("limited", "limited")), for_programs(number_column("budget", "", "budget")),
                   for_people(text_column("at", "at")), text_column("setting", "best")});
   add_error_columns(columns, of.error, fields);
-  columns.insert(columns.end(), {cost_column(options.cost), spare(of.bytes, 2), spare(text_column("also", "as good"), 1)});
+  columns.insert(columns.end(),
+                 {spare(cost_column(options.cost), 1), spare(of.bytes, 2), spare(text_column("also", "as good"), 3)});
   return columns;
 }
 
