@@ -27,6 +27,14 @@ DOCUMENT = r"""\documentclass[a4paper,10pt]{article}
 \input{table}
 \end{document}
 """
+# Classes with two columns, and their options.
+CLASSES = [("article", "a4paper,10pt,twocolumn"), ("article", "letterpaper,10pt,twocolumn"), ("IEEEtran", "conference")]
+TWO_COLUMNS = r"""\documentclass[{options}]{{{name}}}
+\usepackage{{booktabs}}
+\begin{{document}}
+{tables}
+\end{{document}}
+"""
 
 
 class Paper(ProgramTest):
@@ -44,10 +52,10 @@ class Paper(ProgramTest):
     def run_small(self):
         """Only a name to make a first instance with."""
 
-    def compile(self, table):
+    def compile(self, table, document=DOCUMENT):
         """Its text, with every complaint of LaTeX about the page an error. Needs booktabs and nothing else."""
         (self.dir / "table.tex").write_text(table)
-        (self.dir / "paper.tex").write_text(DOCUMENT)
+        (self.dir / "paper.tex").write_text(document)
         done = subprocess.run(["pdflatex", "-interaction=nonstopmode", "-halt-on-error", "paper.tex"], cwd=self.dir, text=True,
                               capture_output=True, timeout=120, errors="replace")
         self.assertEqual(done.returncode, 0, done.stdout[-2000:])
@@ -60,6 +68,32 @@ class Paper(ProgramTest):
         for run in (self.small, *SHIPPED):
             with self.subTest(run.name):
                 self.compile(self.succeed("table", run, "--format", "tex"))
+
+    @unittest.skipUnless(shutil.which("pdflatex"), "there is no pdflatex")
+    def test_tables_fit_one_and_both_columns_of_a_page(self):
+        tables = []
+        for run in (self.small, *SHIPPED):
+            for paper in ("column", "page"):
+                table = self.succeed("table", run, "--format", "tex", "--fit", paper, "--label", f"tab:{run.name}:{paper}")
+                self.assertIn(f"\\label{{tab:{run.name}:{paper}}}", table)
+                self.assertIn("\\begin{table*}" if paper == "page" else "\\begin{table}", table)
+                tables.append(table)
+        for name, options in CLASSES:
+            with self.subTest(f"{name} {options}"):
+                if not subprocess.run(["kpsewhich", f"{name}.cls"], capture_output=True).stdout:
+                    self.skipTest(f"there is no {name}.cls")
+                self.compile("", TWO_COLUMNS.format(name=name, options=options, tables="\\clearpage\n".join(tables)))
+
+    @unittest.skipUnless(shutil.which("pdflatex"), "there is no pdflatex")
+    def test_analyses_fit_one_and_both_columns_of_a_page(self):
+        tables = [self.succeed("analyze", self.small, *kind.split(), "--format", "tex", "--fit", paper)
+                  for kind in ("front", "best", "map") for paper in ("column", "page")]
+        self.compile("", TWO_COLUMNS.format(name=CLASSES[0][0], options=CLASSES[0][1], tables="\\clearpage\n".join(tables)))
+
+    def test_columns_without_room_are_refused(self):
+        self.refuse("table", self.small, "--format", "tex", "--fit", "column", "--columns", "scene,technique,build,relight,resolve,error",
+                    says=["--fit column has room for 45 characters, and the 6 columns take "])
+        self.refuse("table", self.small, "--format", "tex", "--fit", "a4", says=["a table does not fit a4", "landscape, page, column"])
 
     @unittest.skipUnless(shutil.which("pdflatex"), "there is no pdflatex")
     def test_any_columns_and_captions_compile(self):

@@ -22,6 +22,10 @@ BAR = re.compile(r"^\[(#*)(\.*)\] +(\d+) %")
 
 
 class Terminal(ProgramTest):
+    def setUp(self):
+        super().setUp()
+        self.environment.pop("COLUMNS", None)  # of the terminal that the tests are run on
+
     def on_terminal(self, columns, *arguments, **streams):
         """Everything the program sends to a terminal of so many columns, with the terminal's line ends undone."""
         owner, slave = pty.openpty()
@@ -90,7 +94,13 @@ class Terminal(ProgramTest):
                 table = self.on_terminal(columns, "table", "out").split("\n")
                 body = [line for line in table if line.startswith(("unshadowed", "shadow_map", "technique", "---"))]
                 self.assertGreaterEqual(len(body), 10)
-                self.assertLessEqual(max(map(len, body)), columns)
+                self.assertLessEqual(max(map(len, table)), columns)
+        self.environment["COLUMNS"] = "90"  # says more than the terminal
+        table = self.on_terminal(200, "table", "out").split("\n")
+        self.assertLessEqual(max(map(len, table)), 90)
+        self.assertGreater(max(map(len, table)), 70)
+        self.assertLessEqual(max(map(len, self.on_terminal(200, "table", "out", "--width", "60").split("\n"))), 60)
+        self.assertEqual(self.on_terminal(80, "table", "out", "--wide"), self.succeed("table", "out"))
 
     def test_the_table_of_a_scene_that_moves_fits_a_narrow_terminal(self):
         self.succeed("run", "--scene", "jumping_boxes:count=3", "--animation", "jump", "--frames", "3", "--light", "panel", *NUMBERS,
