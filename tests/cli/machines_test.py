@@ -55,7 +55,7 @@ class Machines(ProgramTest):
     def test_what_does_not_go_together_is_refused(self):
         self.two_runs()
         for arguments, says in ((("a", "b"), "'a', 'b' are given; several stand side by side with --by machine"), (("a", "b", "--by", "color"), "machine"),
-                                (("a", "b", "--by", "machine", "--rescore"), "--by machine goes with --format and --pixels alone"),
+                                (("a", "b", "--by", "machine", "--rescore"), "--by machine goes with --format, --filter, --pixels, --width and --wide alone"),
                                 (("a", "b", "--by", "machine", "--format", "tex"), "--format tex is none of --by machine"),
                                 (("a", "--by", "machine"), "--by machine takes 2 .. 26 folders of runs; 1 are given"),
                                 (("a", "nowhere", "--by", "machine"), "nowhere"), (("a", "--pixels", "x"), "--by")):

@@ -96,8 +96,8 @@ struct Fitted {
 };
 
 /// `left_out_of` gives the names of the spare columns for which a table has no room.
-Fitted fitted(const Part& part, std::vector<std::string> names,
-              const std::function<std::vector<std::string>(const Layout&)>& left_out_of) {
+Fitted fitted_part(const Part& part, std::vector<std::string> names,
+                   const std::function<std::vector<std::string>(const Layout&)>& left_out_of) {
   Layout layout = lay_out_part(part, names);
   for (std::size_t k = 0; k < std::size(dispensable); ++k)
     for (Column& column : layout.columns)
@@ -109,8 +109,8 @@ Fitted fitted(const Part& part, std::vector<std::string> names,
 }
 
 std::string terminal_part(const Part& part, std::size_t width) {
-  const Fitted table = fitted(part, headline_columns(part.records, false),
-                              [&](const Layout& layout) { return left_out_on_terminal(layout, width); });
+  const Fitted table = fitted_part(part, headline_columns(part.records, false),
+                                   [&](const Layout& layout) { return left_out_on_terminal(layout, width); });
   std::string text = terminal_table(table.layout, width);
   if (!table.left_out.empty())
     text += wrapped_line(
@@ -120,8 +120,8 @@ std::string terminal_part(const Part& part, std::size_t width) {
 }
 
 std::string paper_part(const Part& part, const TableOptions& options) {
-  Fitted table =
-      fitted(part, paper_columns(part.records), [&](const Layout& layout) { return left_out_on_paper(layout, options.paper); });
+  Fitted table = fitted_part(part, paper_columns(part.records),
+                             [&](const Layout& layout) { return left_out_on_paper(layout, options.paper); });
   const std::string remark =
       table.left_out.empty() ? "" : fmt::format("% Left out for want of room: {}.\n", joined(table.left_out));
   return remark + render_layout(std::move(table.layout), Format::latex, options);

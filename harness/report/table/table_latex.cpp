@@ -38,7 +38,7 @@ constexpr std::array<std::pair<std::string_view, std::string_view>, 25> replacem
 }};
 
 /// What a float takes, in lines and characters of small print. A character is reckoned as 4.9 pt, a fifth more than most are.
-struct Room {
+struct FloatRoom {
   std::string_view of;           ///< what the document needs, beside booktabs
   std::string_view environment;  ///< of the float
   std::string_view place;
@@ -47,10 +47,10 @@ struct Room {
   std::size_t lines;    ///< beside caption and rules
 };
 // In the order of Paper. Of the usual classes article has the narrowest columns, on A4.
-constexpr Room rooms[] = {{"a page in landscape", "table", "p", 150, std::string::npos, 34},
-                          {"452 pt across both columns of a page", "table*", "tp", 92, 74, 52},
-                          {"a column of 220 pt", "table", "tp", 45, 36, 52}};
-const Room& room_of(Paper paper) { return rooms[static_cast<std::size_t>(paper)]; }
+constexpr FloatRoom rooms[] = {{"a page in landscape", "table", "p", 150, std::string::npos, 34},
+                               {"452 pt across both columns of a page", "table*", "tp", 92, 74, 52},
+                               {"a column of 220 pt", "table", "tp", 45, 36, 52}};
+const FloatRoom& room_of(Paper paper) { return rooms[static_cast<std::size_t>(paper)]; }
 
 constexpr std::size_t held_floats = 40;  // printed together; LaTeX gives up when it holds more than 52
 constexpr std::size_t least_text = 14;   // no column of words becomes narrower
@@ -87,7 +87,7 @@ std::vector<std::vector<std::string>> lines_of(const Layout::Row& row, const Lay
 std::size_t gaps_across(const Layout& layout) { return 2 * layout.columns.size(); }
 
 /// Widths of the columns in characters, such that the whole fits the room: the widest columns of words give way.
-std::vector<std::size_t> fitting_widths(const Layout& layout, const Room& room) {
+std::vector<std::size_t> fitting_widths(const Layout& layout, const FloatRoom& room) {
   std::vector<std::size_t> widths, least;
   for (std::size_t i = 0; i < layout.columns.size(); ++i) {
     const Column& column = layout.columns[i];
@@ -130,7 +130,8 @@ struct Block {
   std::size_t lines = 0;
 };
 
-std::vector<Block> blocks_of(const Layout& layout, const std::vector<std::size_t>& widths, const Room& room, std::size_t most) {
+std::vector<Block> blocks_of(const Layout& layout, const std::vector<std::size_t>& widths, const FloatRoom& room,
+                             std::size_t most) {
   std::vector<Block> blocks;
   for (const Layout::Group& group : layout.groups) {
     const auto open = [&](std::string_view remark) {
@@ -203,7 +204,7 @@ std::string latex_text(std::string_view text) {
 }
 
 std::vector<std::string> left_out_on_paper(Layout layout, Paper paper) {
-  const Room& room = room_of(paper);
+  const FloatRoom& room = room_of(paper);
   std::vector<std::string> left_out;
   if (paper == Paper::landscape) return left_out;
   while (across(layout, fitting_widths(layout, room)) > room.width) {
@@ -217,7 +218,7 @@ std::vector<std::string> left_out_on_paper(Layout layout, Paper paper) {
 }
 
 std::string latex_table(const Layout& layout, const TableOptions& options) {
-  const Room& room = room_of(options.paper);
+  const FloatRoom& room = room_of(options.paper);
   const bool is_wide = options.paper == Paper::landscape;
   const std::string& caption = options.caption.empty() ? layout.title : options.caption;
   const std::vector<std::size_t> widths = fitting_widths(layout, room);
