@@ -6,6 +6,7 @@
 
 #include "measure/frame/glass_doubt.h"
 #include "measure/frame/moved_rays.h"
+#include "measure/frame/point_rays.h"
 #include "measure/frame/ray_packets.h"
 
 namespace gnomon {
@@ -37,46 +38,23 @@ struct SnappedRays {
   const Light& light;
   double most;  ///< pixels that a vertex is moved by
   AnswerKind kind = answer_kind(scene, light);
-  glm::dvec4 l = homogeneous(light);
+  PointRays rays{scene, casters, light};
   Camera camera{gbuffer.view, gbuffer.width, gbuffer.height};
 
   /// Bit k: pixel pixels[k] has another answer at some corner.
   std::uint32_t flips(std::span<const std::size_t> pixels, std::span<const float> reference) const {
-    const int count = static_cast<int>(pixels.size());
     std::uint32_t flipped = 0;
     std::array<Crossings, ray_lanes> crossings;
+    std::array<SurfacePoint, ray_lanes> points;
     for (const glm::dvec2& corner : corners) {
-      ShadowPacket packet{};
-      std::uint32_t mesh[16] = {}, triangle[16] = {}, valid = 0;
-      for (int k = 0; k < count; ++k) {
+      for (std::size_t k = 0; k < pixels.size(); ++k) {
         const double x = static_cast<double>(pixels[k] % gbuffer.width) + 0.5 + corner.x * most;
         const double y = static_cast<double>(pixels[k] / gbuffer.width) + 0.5 + corner.y * most;
-        const SurfacePoint point = surface_through(scene, everything, camera, gbuffer.truth, x, y);
-        // As faces_light says it of a pixel.
-        if (point.mesh == no_mesh || !scene.meshes[point.mesh].receives || !in_spot_cone(light, point.position)) continue;
-        if (!(glm::dot(glm::dvec3(point.normal), to_light(l, point.position)) > 0)) continue;
-        valid |= 1u << k;
-        mesh[k] = point.mesh;
-        triangle[k] = point.triangle;
-        // By the recipe of the reference.
-        const glm::vec3 origin = point.position + static_cast<float>(ray_offset(point.position)) * point.normal;
-        set_ray(packet, k, origin, glm::vec3(l) - static_cast<float>(l.w) * origin, end_of(l));
+        points[k] = surface_through(scene, everything, camera, gbuffer.truth, x, y);
       }
-      if (!valid) continue;
-      glm::dvec3 origin[16], way[16];
-      for (int k = 0; k < count; ++k) {
-        origin[k] = {packet.ox[k], packet.oy[k], packet.oz[k]};
-        way[k] = {packet.dx[k], packet.dy[k], packet.dz[k]};
-      }
-      const std::uint32_t blocked = casters.has_transmission() ? casters.crossed(valid, packet, {mesh, triangle}, crossings)
-                                                               : casters.occluded(valid, packet, {mesh, triangle});
-      for (int k = 0; k < count; ++k) {
-        const auto along = [&](std::uint32_t m, std::uint32_t t) {
-          return transmission_along(scene.meshes[m], t, origin[k], way[k]);
-        };
-        const float share = blocked >> k & 1 ? 0.0f : static_cast<float>(crossings[k].product(along).share.x);
-        if (valid >> k & 1 && is_wrong(share, reference[pixels[k]], kind)) flipped |= 1u << k;
-      }
+      const PointRays::Shares found = rays.ask({points.data(), pixels.size()}, crossings);
+      for (std::size_t k = 0; k < pixels.size(); ++k)
+        if (found.faces >> k & 1 && is_wrong(found.share[k], reference[pixels[k]], kind)) flipped |= 1u << k;
     }
     return flipped;
   }
