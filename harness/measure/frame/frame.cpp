@@ -42,6 +42,9 @@ constexpr int soft_version = 4;
 /// Raised when trace_paths answers otherwise.
 constexpr int global_version = 1;
 
+/// Raised when trace_pixels answers otherwise.
+constexpr int pixel_version = 1;
+
 /// Of the paths of a GlobalReference: no technique has it, so that none is compared with its own paths.
 constexpr std::uint64_t global_seed = 0x7fffffff;
 
@@ -53,8 +56,12 @@ std::size_t pixel_count(const FrameKey& key) { return static_cast<std::size_t>(k
 /// Bytes of a GlobalReference: of a pixel two floats a channel, then the number of rays.
 std::size_t global_size(const FrameKey& key) { return pixel_count(key) * 6 * sizeof(float) + sizeof(std::uint64_t); }
 
+/// Bytes of a pixel of a PixelTruth: three floats and a count.
+constexpr std::size_t pixel_truth_pixel = 13;
+
 std::size_t size_of(const Scene& scene, const MissingFrame& missing) {
   if (missing.global_samples > 0) return global_size(missing.key);
+  if (missing.pixel_rays > 0) return pixel_count(missing.key) * pixel_truth_pixel;
   return pixel_count(missing.key) * (missing.light ? reference_pixel(answer_kind(scene, *missing.light)) : gbuffer_pixel);
 }
 
@@ -209,6 +216,7 @@ std::vector<std::byte> FrameTracer::make(const MissingFrame& missing) {
     if (FrameTracer& tracer = of(*missing.light); &tracer != this) return tracer.make(missing);
     const GBuffer gbuffer = map_gbuffer(missing.gbuffer_file, key);
     if (missing.global_samples > 0) return global_reference(missing, gbuffer);
+    if (missing.pixel_rays > 0) return pixel_truth(missing, gbuffer);
     return has_area(*missing.light) ? soft_reference(missing, gbuffer) : reference(missing, gbuffer);
   }
   return gbuffer_bytes(make_gbuffer(scene_, everything(key.truth), key.view, key.width, key.height, key.truth));
@@ -260,6 +268,30 @@ std::vector<std::byte> FrameTracer::global_reference(const MissingFrame& missing
   std::vector<std::byte> bytes;
   append(bytes, picture.radiance, picture.error, std::array<std::uint64_t, 1>{picture.rays});
   return bytes;
+}
+
+std::vector<std::byte> FrameTracer::pixel_truth(const MissingFrame& missing, const GBuffer& g) {
+  if (has_area(*missing.light) || missing.pixel_rays != pixel_rays)
+    throw Error("the truth over the pixel by {} eye rays; {} under a light without area are required", missing.pixel_rays,
+                pixel_rays);
+  const Truth truth = missing.key.truth;
+  const PixelShares shares = trace_pixels(scene_, everything(truth), casters(truth), g, *missing.light, missing.done);
+  std::vector<std::byte> bytes;
+  append(bytes, shares.mean, shares.error, shares.half, shares.kept);
+  return bytes;
+}
+
+PixelTruth FrameStore::pixel_truth(const FrameKey& key, const Light& light) {
+  require_reference(scene(light), light, key.view);
+  const std::string request = fmt::format("{} pixel {} {}", hash(key, &light), pixel_version, pixel_rays);
+  const MissingFrame frame{.key = key, .light = light, .pixel_rays = pixel_rays};
+  const auto file = MappedFile::copy(find_or_make(content_hash(request) + ".reference", frame));
+  Slices slices{file->bytes()};
+  PixelTruth truth{.storage = file};
+  const std::size_t n = pixel_count(key);
+  slices(n, truth.mean, truth.error, truth.half);
+  slices(n, truth.kept);
+  return truth;
 }
 
 GlobalReference FrameStore::global_reference(const FrameKey& key, const Light& light, int samples) {

@@ -7,6 +7,7 @@
 
 #include "measure/answer_kind.h"
 #include "measure/frame/frame_cache.h"
+#include "measure/frame/pixel_truth.h"
 #include "measure/frame/soft_reference.h"
 #include "measure/scene/blob.h"
 #include "measure/scene/channels.h"
@@ -47,6 +48,13 @@ struct GlobalReference {
   std::shared_ptr<const void> storage = {};
 };
 
+/// The truth over the pixel under one light without area, see PixelShares: what a mask is compared with beside the Reference.
+struct PixelTruth {
+  std::span<const float> mean = {}, error = {}, half = {};
+  std::span<const std::uint8_t> kept = {};
+  std::shared_ptr<const void> storage = {};
+};
+
 /// Raised when a G-buffer, a reference or a class comes out differently for the same scene. Records keep it as `frames` of
 /// their context: causes belong to the frames that they were found on.
 int frame_version();
@@ -68,7 +76,9 @@ struct MissingFrame {
   AreaTarget target = {};                   ///< of a light with area
   int subpixel_bits = usual_subpixel_bits;  ///< of the rasterizer whose rounding is marked
   int global_samples = 0;                   ///< above 0: its GlobalReference is missing, of so many light paths a pixel
-  /// Counts pixels of a reference under a light with area as they are finished, for whoever shows progress.
+  int pixel_rays = 0;                       ///< above 0: its PixelTruth is missing, of so many eye rays a pixel
+  /// Counts pixels as they are finished, for whoever shows progress: of a reference under a light with area, of all light and
+  /// of the truth over the pixel.
   std::atomic<std::size_t>* done = nullptr;
 };
 
@@ -101,6 +111,7 @@ class FrameTracer final : public FrameMaker {
   std::vector<std::byte> reference(const MissingFrame& missing, const GBuffer& g);
   std::vector<std::byte> soft_reference(const MissingFrame& missing, const GBuffer& g);
   std::vector<std::byte> global_reference(const MissingFrame& missing, const GBuffer& g);
+  std::vector<std::byte> pixel_truth(const MissingFrame& missing, const GBuffer& g);
 
   const Scene& scene_;
   ChannelScenes channels_{scene_};
@@ -134,6 +145,8 @@ class FrameStore {
   /// Under a light with area, of so many light paths a pixel; all bounces count, so that light must be traceable
   /// (untraceable_light).
   GlobalReference global_reference(const FrameKey& key, const Light& light, int samples);
+  /// Under a light without area. Throws Error as require_reference does.
+  PixelTruth pixel_truth(const FrameKey& key, const Light& light);
   /// As FrameTracer has them, in this process.
   const RayScene& casters(Truth truth) { return tracer_.casters(truth); }
   const RayScene& everything(Truth truth) { return tracer_.everything(truth); }

@@ -287,8 +287,8 @@ struct DetailRequest {
 };
 void for_each_field(MaybeConst<DetailRequest> auto& r, const auto& use) { use("out", r.out, "light", r.light); }
 
-/// The reference of a light, with `global_samples` that of all light, or where `light_and_view` has no light the G-buffer, as
-/// the frame cache stores them. A worker that traces serves no technique.
+/// The reference of a light, with `global_samples` that of all light, with `pixel_rays` the truth over the pixel, or where
+/// `light_and_view` has no light the G-buffer, as the frame cache stores them. A worker that traces serves no technique.
 struct TraceRequest {
   static constexpr const char* verb = "trace";
   std::string scene, light_and_view, gbuffer, out;  ///< files; light_and_view as in GoRequest
@@ -296,7 +296,7 @@ struct TraceRequest {
   Truth truth = Truth::shape;
   double error = 0;  ///< AreaTarget
   std::uint32_t cap = 0;
-  int subpixel_bits = usual_subpixel_bits, global_samples = 0;
+  int subpixel_bits = usual_subpixel_bits, global_samples = 0, pixel_rays = 0;
   std::string done = {};                ///< place of a SharedCount of the pixels that are through; may be empty
   std::optional<WantedPose> pose = {};  ///< nothing: meshes are at rest
   using Reply = Done;
@@ -305,7 +305,7 @@ void for_each_field(MaybeConst<TraceRequest> auto& r, const auto& use) {
   use("scene", r.scene, "light_and_view", r.light_and_view, "gbuffer", r.gbuffer, "out", r.out);
   use("width", r.width, "height", r.height, "truth", r.truth);
   use("error", r.error, "cap", r.cap, "subpixel_bits", r.subpixel_bits);
-  use("global_samples", r.global_samples, "done", r.done, "pose", r.pose);
+  use("global_samples", r.global_samples, "pixel_rays", r.pixel_rays, "done", r.done, "pose", r.pose);
 }
 
 /// The line of a request.

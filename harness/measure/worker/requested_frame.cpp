@@ -76,6 +76,7 @@ Done RequestedTraces::make(const TraceRequest& request) {
                        .target = {.error = request.error, .cap = request.cap},
                        .subpixel_bits = request.subpixel_bits,
                        .global_samples = request.global_samples,
+                       .pixel_rays = request.pixel_rays,
                        .done = &done.value()};
   if (!holder.lights.empty()) missing.light = holder.lights[0];
   write_file(request.out, tracer_->make(missing));

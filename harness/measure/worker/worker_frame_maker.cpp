@@ -10,7 +10,9 @@ constexpr double longest_trace_seconds = 3600;
 TraceWatch shown_on(Progress& progress, std::string scene) {
   return [&progress, scene = std::move(scene)](const MissingFrame& missing, double share) {
     if (share >= 1) return progress.end_part();
-    const std::string_view what = missing.global_samples > 0 ? "all light" : "reference";
+    const std::string_view what = missing.global_samples > 0 ? "all light"
+                                  : missing.pixel_rays > 0   ? "truth over the pixel"
+                                                             : "reference";
     progress.part(
         missing.light ? fmt::format("{} of {}, {}", what, scene, missing.light->name) : fmt::format("G-buffer of {}", scene),
         share);
@@ -26,9 +28,9 @@ std::vector<std::byte> WorkerFrameMaker::make(const MissingFrame& missing) {
   const std::vector<Light> lights = missing.light ? std::vector{*missing.light} : std::vector<Light>();  // none: a G-buffer
   const std::vector<std::byte> view_and_light = light_and_view_bytes(lights, missing.key.view);
   const std::string frame =
-      fmt::format("{} {} {} {} {} {} {} {} {}", content_hash(view_and_light), missing.key.width, missing.key.height,
+      fmt::format("{} {} {} {} {} {} {} {} {} {}", content_hash(view_and_light), missing.key.width, missing.key.height,
                   name(missing.key.truth), missing.target.error, missing.target.cap, missing.subpixel_bits,
-                  missing.global_samples, missing.key.pose ? missing.key.pose->hash : "at rest");
+                  missing.global_samples, missing.pixel_rays, missing.key.pose ? missing.key.pose->hash : "at rest");
   if (const auto failure = failures_.find(frame); failure != failures_.end()) throw WorkerFailure(failure->second);
   write_file(file("view_and_light"), view_and_light);
   const TraceRequest request{.scene = missing.scene_file.string(),
@@ -42,6 +44,7 @@ std::vector<std::byte> WorkerFrameMaker::make(const MissingFrame& missing) {
                              .cap = missing.target.cap,
                              .subpixel_bits = missing.subpixel_bits,
                              .global_samples = missing.global_samples,
+                             .pixel_rays = missing.pixel_rays,
                              .pose = missing.key.pose};
   try {
     try {
