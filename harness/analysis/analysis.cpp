@@ -262,8 +262,28 @@ std::optional<double> noise_floor(const Record& r, std::string_view wanted) {
   return r.metric(fmt::format("{}_floor", wanted));
 }
 
-std::optional<double> gain_over_constant(const Record& r) {
-  const std::optional<double> error = r.metric("error"), constant = r.metric("constant_error");
+static constexpr std::string_view error_over_pixel = "coverage_error_mean";
+
+/// Whether it is compared with the truth over the pixel.
+static bool is_over_pixel(std::string_view quantity) {
+  return quantity == error_over_pixel || quantity == "coverage_error_rms";
+}
+
+std::string_view judging_metric(std::span<const Record> records) {
+  const auto is_done = [](const Record& r) { return r.status == Status::ok; };
+  const auto is_other = [&](const Record& r) {
+    return is_done(r) && (r.truth_over != TruthOver::pixel || !r.metric(error_over_pixel));
+  };
+  return std::ranges::any_of(records, is_done) && std::ranges::none_of(records, is_other) ? error_over_pixel : "error";
+}
+
+std::string_view constant_metric(std::string_view quantity) {
+  return is_over_pixel(quantity) ? "coverage_constant_error" : "constant_error";
+}
+
+std::optional<double> gain_over_constant(const Record& r, std::string_view quantity) {
+  const std::optional<double> error = r.metric(is_over_pixel(quantity) ? error_over_pixel : "error"),
+                              constant = r.metric(constant_metric(quantity));
   return error && constant ? std::optional(*constant - *error) : std::nullopt;
 }
 

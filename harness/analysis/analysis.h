@@ -97,10 +97,19 @@ std::optional<double> quantity(const Record& record, std::string_view name);
 /// Of a metric under a light with area what the reference's own noise makes of it, METRIC_floor: a smaller one cannot be
 /// distinguished from that of a right mask. Nothing of other quantities and lights.
 std::optional<double> noise_floor(const Record& record, std::string_view quantity);
-/// How far the row's error lies below that of the best constant mask at its place; nothing where the record does not say.
-std::optional<double> gain_over_constant(const Record& record);
-/// Whether a row may be called best: its error is below that of the best constant mask, or the record does not say.
-inline bool beats_constant(const Record& record) { return gain_over_constant(record).value_or(1) > 0; }
+/// The metric that rows are judged by where nobody names one: the error, or where every finished row asks to be judged by the
+/// truth over the pixel, and has it, that error.
+std::string_view judging_metric(std::span<const Record> records);
+/// The error of the best constant mask that belongs to a quantity: of errors over the pixel it is another one.
+std::string_view constant_metric(std::string_view quantity);
+/// How far the row's error lies below that of the best constant mask at its place; nothing where the record does not say. By
+/// the truth over the pixel where that is what the quantity is compared with.
+std::optional<double> gain_over_constant(const Record& record, std::string_view quantity = "error");
+/// Whether a row may be called best in a quantity: its error is below that of the best constant mask, or the record does not
+/// say.
+inline bool beats_constant(const Record& record, std::string_view quantity = "error") {
+  return gain_over_constant(record, quantity).value_or(1) > 0;
+}
 /// "lights with area".
 std::string_view lights_text(AnswerKind answer);
 /// Throws Error with the nearest name when no record has it.

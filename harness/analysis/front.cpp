@@ -39,8 +39,8 @@ std::optional<double> mean(std::span<const Record* const> rows, const Of& of) {
   return rows.empty() ? std::nullopt : std::optional(sum / static_cast<double>(rows.size()));
 }
 
-std::optional<double> constant_error(std::span<const Record* const> rows) {
-  return mean(rows, [](const Record& r) { return r.metric("constant_error"); });
+std::optional<double> constant_error(std::span<const Record* const> rows, const FieldOptions& options) {
+  return mean(rows, [&](const Record& r) { return r.metric(constant_metric(options.error)); });
 }
 
 std::optional<double> larger(std::optional<double> a, std::optional<double> b) { return a && b ? std::max(*a, *b) : a ? a : b; }
@@ -53,7 +53,7 @@ Candidate candidate_of(std::span<const Record* const> rows, const FieldOptions& 
           .role = first.role,
           .error = *mean(rows, [&](const Record& r) { return quantity(r, options.error); }),
           .floor = mean(rows, [&](const Record& r) { return noise_floor(r, options.error); }),
-          .gain_over_constant = mean(rows, gain_over_constant)};
+          .gain_over_constant = mean(rows, [&](const Record& r) { return gain_over_constant(r, options.error); })};
 }
 
 Candidate candidate_of(const Record& r, const FieldOptions& options) {
@@ -130,7 +130,7 @@ Field overall(std::span<const Record> records, RowsBySetting settings, const Fie
     for (const auto& [place, row] : rows)
       if (common.contains(place)) compared.push_back(row);
     field.candidates.push_back(mean_of(compared, options));
-    field.constant = larger(field.constant, constant_error(compared));
+    field.constant = larger(field.constant, constant_error(compared, options));
   }
   add_relative_costs(field);
   return field;
@@ -166,7 +166,7 @@ std::vector<Field> find_fields(std::span<const Record> records, const FieldOptio
     Field& field = fields[found->second];
     field.candidates.push_back(candidate_of(r, options));
     const Record* const here[] = {&r};
-    field.constant = larger(field.constant, constant_error(here));
+    field.constant = larger(field.constant, constant_error(here, options));
   }
   const auto competes = [](const Candidate& c) { return c.role == Role::contender; };
   if (std::ranges::none_of(fields, [&](const Field& f) { return std::ranges::any_of(f.candidates, competes); }))

@@ -186,8 +186,8 @@ void require_different_axes(const MapOptions& options) {
         throw Error("{} and {} are both {}; each needs a parameter of its own", first, second, parameter);
 }
 
-/// Enters a row. A scene or light that is an axis is no part of the place that a mean is taken over.
-void add_row(const Record& r, double value, const std::set<std::string>& axes, TechniqueRows& technique) {
+/// Enters a row, which has the metric. A scene or light that is an axis is no part of the place that a mean is taken over.
+void add_row(const Record& r, const std::string& metric, const std::set<std::string>& axes, TechniqueRows& technique) {
   Values values;
   for (const auto& [parameter, one] : r.parameters.items()) {
     add_once(technique.parameters, parameter);
@@ -205,8 +205,8 @@ void add_row(const Record& r, double value, const std::set<std::string>& axes, T
   Setting& setting = technique.settings[key];
   if (setting.measured.empty()) technique.order.push_back(key);
   setting.values = std::move(values);
-  setting.measured[place] = {value, r.answer == AnswerKind::fraction && !place.light.empty(),
-                             gain_over_constant(r).value_or(INFINITY)};
+  setting.measured[place] = {*quantity(r, metric), r.answer == AnswerKind::fraction && !place.light.empty(),
+                             gain_over_constant(r, metric).value_or(INFINITY)};
 }
 
 }  // namespace
@@ -230,10 +230,10 @@ std::vector<Map> make_maps(std::span<const Record> records, const MapOptions& op
   std::vector<TechniqueRows> techniques;
   const std::set<std::string> axes{options.x, options.y, options.facet};
   for (const Record& r : records) {
-    const std::optional<double> value = quantity(r, options.metric);
-    if (r.status != Status::ok || !value) continue;
+    if (r.status != Status::ok || !quantity(r, options.metric)) continue;
     const auto found = std::ranges::find(techniques, r.technique, &TechniqueRows::id);
-    add_row(r, *value, axes, found == techniques.end() ? techniques.emplace_back(TechniqueRows{.id = r.technique}) : *found);
+    TechniqueRows& rows = found == techniques.end() ? techniques.emplace_back(TechniqueRows{.id = r.technique}) : *found;
+    add_row(r, options.metric, axes, rows);
   }
   std::vector<std::string> known{"scene", "light"};
   for (const TechniqueRows& technique : techniques)

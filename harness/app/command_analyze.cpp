@@ -96,6 +96,11 @@ std::string take_kind(Options& options, const Command& command, const std::strin
   return kind;
 }
 
+/// Sets what nobody named of the analysis.
+void set_metric(AnalysisOptions& analysis, const Command& command, std::span<const Record> records) {
+  if (!command.is_given("--error")) analysis.metric = judging_metric(records);
+}
+
 /// The records of these folders, in order, that match --filter. A row that several folders contain counts once, by its first
 /// record, and stderr says how many do. Throws Error when two folders answer a job differently, and when there is no record.
 std::vector<Record> read_runs(const Options& options) {
@@ -140,6 +145,7 @@ void print_analysis(AnalyzeOptions& options, const Command& command) {
   options.table.width = options.width.columns();
   options.table.paper = paper_named(options.paper);
   const std::vector<Record> records = read_runs(options);
+  set_metric(options.analysis, command, records);
   name_quantities(options.analysis, records);
   fmt::print("{}", analyze(records, kind, options.analysis, format, options.table));
 }
@@ -149,6 +155,7 @@ void make_figure(PictureOptions& options, const Command& command) {
   if (options.out.empty() && !options.script) throw Error("figure needs --out FILE.svg, .pdf or .png, or --script");
   const std::filesystem::path out = options.out.empty() ? "figure.svg" : options.out;
   const std::vector<Record> records = read_runs(options);
+  set_metric(options.analysis, command, records);
   name_quantities(options.analysis, records);
   options.figure.analysis = options.analysis;
   if (command.is_given("--cost")) options.figure.bars = options.analysis.cost;

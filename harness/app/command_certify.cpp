@@ -2,7 +2,9 @@
 #include "app/app.h"
 #include "app/time_option.h"
 #include "measure/frame/certify.h"
+#include "measure/frame/certify_pixels.h"
 #include "measure/frame/certify_soft.h"
+#include "measure/notice.h"
 #include "measure/paths.h"
 #include "measure/progress.h"
 #include "measure/run/suite.h"
@@ -15,7 +17,7 @@ namespace gnomon::app {
 namespace {
 
 struct CertifyCommand {
-  std::string scene, size = "640x360";
+  std::string scene, size = "640x360", truth_over = "center";
   std::vector<std::string> lights, views;
   TimeOption time;
   bool json = false;
@@ -50,10 +52,17 @@ int run_certify(const CertifyCommand& options) {
       const std::string casters = frames.casters(Truth::mesh, *light).description();
       const auto is_uncertain = [&](std::size_t i) { return reference.classes[i] == PixelClass::U; };
       const Scene& lit = frames.scene(*light);
-      if (reference.kind == AnswerKind::fraction)
+      if (reference.kind == AnswerKind::fraction) {
+        if (options.truth_over != "center")
+          print_notice("note: light {} has area, and is certified by its own truth: --truth-over is for lights without\n",
+                       light->name);
         report(certify_soft(lit, *light, gbuffer, reference, {.reference = casters}));
-      else
+        continue;
+      }
+      if (options.truth_over != "pixel")
         report(certify(lit, *light, gbuffer, reference.mask, {.is_uncertain = is_uncertain, .reference = casters}));
+      if (options.truth_over != "center")
+        report(certify_pixels(lit, *light, gbuffer, reference, frames.pixel_truth(key, *light)));
     }
   if (options.json) fmt::print("{}\n", json_text(list, 2));
   return all_hold ? 0 : 1;
@@ -72,6 +81,9 @@ void add_certify(Program& program) {
   command.option("--light", &options.lights, "Light names; all by default", {.delimiter = ','});
   command.option("--view", &options.views, "View names; the first by default", {.delimiter = ','});
   command.option("--size", &options.size, "Picture size in pixels, WxH");
+  command.option("--truth-over", &options.truth_over,
+                 "Under lights without area, which truth: at pixel centers, over pixels as wholes; center | pixel | both",
+                 {.check = one_of({std::begin(truth_over_names), std::end(truth_over_names)})});
   command.flag("--json", &options.json, "As JSON");
 }
 

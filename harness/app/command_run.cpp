@@ -226,6 +226,11 @@ void add_run(Program& program) {
   add_suite_options(command, options);
   command.option("--out", &options.run.out, "Folder to write to; runs/NAME-TIME by default", {.check = not_empty()});
   command.option("--truth", &options.truth, "What counts in the headline: shape | mesh", {.check = not_empty()});
+  command.option(
+      "--truth-over", &options.truth_over,
+      "Under lights without area: center, or pixel or both, which add coverage_error_mean and _rms against the mean of "
+      "the truth over each pixel; analyses of rows of pixel rank by it",
+      {.check = one_of({std::begin(truth_over_names), std::end(truth_over_names)})});
   command.option("--shard", &options.shard, "I/N: part I of N of the rows, 0 <= I < N; gnomon merge joins them",
                  {.check = not_empty()});
   const auto resume = command.flag("--resume", &options.run.resume, "Continue in --out; rows that are there are not run again");

@@ -105,6 +105,9 @@ Suite make_suite(const SuiteOptions& options, const std::string& command) {
     for (SuiteGroup& group : suite.groups) group.sizes.clear();
   }
   if (!options.truth.empty()) suite.truth = parse_truth(options.truth);
+  if (!options.truth_over.empty())
+    suite.truth_over =
+        static_cast<TruthOver>(std::ranges::find(truth_over_names, options.truth_over) - std::begin(truth_over_names));
   if (!options.pictures.empty())
     suite.pictures =
         static_cast<Suite::Pictures>(std::ranges::find(picture_words, options.pictures) - std::begin(picture_words));

@@ -6,7 +6,7 @@ namespace gnomon::app {
 
 /// Options that `run` and `compare --live` share: a suite, or scenes and techniques, and what to change of it for this run.
 struct SuiteOptions {
-  std::string suite, size, truth, filter, pictures;
+  std::string suite, size, truth, truth_over, filter, pictures;
   std::vector<std::string> scenes, techniques, lights, views, paths;
   /// That rows follow frame by frame; with times the one of their stills.
   std::vector<std::string> animations;

@@ -15,6 +15,7 @@
 #include "measure/answer_kind.h"
 #include "measure/json.h"
 #include "measure/printable.h"
+#include "measure/truth_over.h"
 
 namespace gnomon {
 
@@ -60,6 +61,7 @@ using Color8 = std::array<std::uint8_t, 3>;
 constexpr int enumerator_count(AnswerKind) { return std::size(answer_kind_names); }
 constexpr int enumerator_count(Support::Kind) { return 3; }
 constexpr int enumerator_count(Truth) { return 2; }
+constexpr int enumerator_count(TruthOver) { return std::size(truth_over_names); }
 constexpr int enumerator_count(LightShareKind) { return 2; }
 constexpr int enumerator_count(Stage) { return std::size(stage_names); }
 

@@ -6,15 +6,10 @@
 #include <algorithm>
 
 #include "measure/fields.h"
-#include "measure/statistics/distributions.h"
-#include "measure/statistics/statistics.h"
 
 namespace gnomon {
 
 namespace {
-
-constexpr std::array<double, 3> multiples = {2, 3, 4};
-constexpr double degrees_of_freedom = 7;  // eight replicas
 
 struct SoftSample {
   std::size_t pixel;
@@ -45,35 +40,17 @@ Groups choose(const Reference& reference, const SoftCertifyOptions& options, Sof
   return groups;
 }
 
-SoftCertificate::Comparison compare(const std::string& what, std::span<const SoftSample> samples,
-                                    LightShare LightShares::*share, std::span<const float> values,
-                                    std::span<const float> errors, double false_alarm) {
-  SoftCertificate::Comparison result{.what = what, .count = samples.size()};
-  double sum = 0, squares = 0;
+StatedErrors compare(const std::string& what, std::span<const SoftSample> samples, LightShare LightShares::*share,
+                     std::span<const float> values, std::span<const float> errors, double false_alarm) {
+  std::vector<double> differences, stated;
   for (const SoftSample& sample : samples) {
-    const double difference = values[sample.pixel] - (sample.exact.*share).best, off = std::abs(difference);
-    for (std::size_t k = 0; k < multiples.size(); ++k) result.beyond[k] += off > multiples[k] * errors[sample.pixel];
-    sum += difference;
-    squares += difference * difference;
-    result.largest = std::max(result.largest, off);
+    differences.push_back(values[sample.pixel] - (sample.exact.*share).best);
+    stated.push_back(errors[sample.pixel]);
   }
-  for (std::size_t k = 0; k < multiples.size(); ++k)
-    result.allowed[k] = most_by_chance(samples.size(), 2 * student_tail(multiples[k], degrees_of_freedom), false_alarm);
-  const auto n = static_cast<double>(samples.size());
-  if (n < 2) return result;
-  result.mean = sum / n;
-  result.mean_error = std::sqrt(std::max(0.0, squares / n - result.mean * result.mean) / (n - 1));
-  // Masks are of float32, and so are the differences' last digits.
-  result.is_mean_zero = std::abs(result.mean) <= 3.9 * result.mean_error + 1e-7;
-  return result;
+  return stated_errors(what, differences, stated, false_alarm);
 }
 
 }  // namespace
-
-bool SoftCertificate::holds() const {
-  const auto has_some = [](const Comparison& c) { return c.count > 0; };
-  return std::ranges::any_of(comparisons, has_some) && std::ranges::all_of(comparisons, &Comparison::holds);
-}
 
 SoftCertificate certify_soft(const Scene& scene, const Light& light, const GBuffer& gbuffer, const Reference& reference,
                              const SoftCertifyOptions& options) {
@@ -124,22 +101,10 @@ std::string text(const SoftCertificate& c) {
   out += fmt::format("  target         standard error {:g}, at most {} places of the light\n", c.target.error, c.target.cap);
   out += fmt::format("  pixels         {} of T, {} of them in penumbrae; {} of U\n", c.tested_count, c.penumbra_count,
                      c.uncertain_count);
-  for (const SoftCertificate::Comparison& s : c.comparisons) {
-    out += fmt::format("  {}\n    {} exact shares; beyond 2, 3, 4 errors: {}, {}, {} (at most {}, {}, {}){}\n", s.what, s.count,
-                       s.beyond[0], s.beyond[1], s.beyond[2], s.allowed[0], s.allowed[1], s.allowed[2],
-                       s.holds() ? "" : "  REFUSED");
-    out += fmt::format("    mean difference {:.2g} +- {:.2g}, largest {:.2g}\n", s.mean, s.mean_error, s.largest);
-  }
-  out += fmt::format("  false alarms   a reference that keeps Student's law is refused once in {:.0f} comparisons\n",
-                     1 / c.false_alarm);
-  return out;
+  for (const StatedErrors& s : c.comparisons) out += text(s);
+  return out + false_alarm_text(c.false_alarm);
 }
 
-void for_each_field(MaybeConst<SoftCertificate::Comparison> auto& c, const auto& use) {
-  const bool holds = c.holds();
-  use("allowed", c.allowed, "beyond", c.beyond, "count", c.count, "holds", holds, "largest", c.largest, "mean", c.mean,
-      "mean_error", c.mean_error, "what", c.what);
-}
 void for_each_field(MaybeConst<SoftCertificate> auto& c, const auto& use) {
   const bool holds = c.holds();
   use("cap", c.target.cap, "comparisons", c.comparisons, "false_alarm", c.false_alarm, "holds", holds, "light", c.light,

@@ -2,6 +2,7 @@
 #include <gnomon/kit/area/area_scene.h>
 
 #include "measure/frame/frame.h"
+#include "measure/frame/stated_errors.h"
 #include "measure/json.h"
 
 namespace gnomon {
@@ -20,24 +21,14 @@ struct SoftCertifyOptions {
 /// the errors that the reference states. Of differences of its seven degrees of freedom Student's law lets so many lie beyond
 /// 2, 3 and 4 standard errors, and their mean is 0.
 struct SoftCertificate {
-  /// Differences of one share over one group of pixels.
-  struct Comparison {
-    std::string what;  ///< "area in penumbrae"
-    std::size_t count = 0;
-    std::array<std::size_t, 3> beyond{}, allowed{};  ///< 2, 3 and 4 standard errors; allowed but for false alarms
-    double mean = 0, mean_error = 0;                 ///< of the differences, and the standard error of that
-    double largest = 0;                              ///< absolute difference
-    bool is_mean_zero = true;                        ///< within its interval
-    bool holds() const { return beyond[0] <= allowed[0] && beyond[1] <= allowed[1] && beyond[2] <= allowed[2] && is_mean_zero; }
-  };
   std::string scene, light, view, reference;
   AreaTarget target = {};
   double false_alarm = 0;
   std::size_t tested_count = 0, uncertain_count = 0, penumbra_count = 0;  ///< pixels of T, of U, of T in the penumbra
-  std::vector<Comparison> comparisons = {};  ///< area and irradiance, each in penumbrae and elsewhere
+  std::vector<StatedErrors> comparisons = {};  ///< area and irradiance, each in penumbrae and elsewhere
   AreaTally tally = {};
 
-  bool holds() const;
+  bool holds() const { return all_hold(comparisons); }
 };
 
 /// Certifies a reference under a light with area, on a G-buffer of mesh truth. Same inputs, same certificate. Throws Error on

@@ -33,9 +33,12 @@ static void for_each_field(MaybeConst<Record::ReferenceFacts> auto& r, const aut
   use("estimates", r.estimates, "target", r.target, "cap", r.cap, "rays", r.rays);
   use("error_mean", r.error_mean, "error_max", r.error_max, "global", r.global);
 }
+static void for_each_field(MaybeConst<Record::PixelFacts> auto& r, const auto& use) {
+  use("rays", r.rays, "kept", r.kept, "tested", r.tested, "error_mean", r.error_mean, "error_max", r.error_max);
+}
 static void for_each_field(MaybeConst<Record::LightFacts> auto& r, const auto& use) {
   use("name", r.name, "kind", r.kind, "answer", r.answer, "support", r.support, "reason", r.reason);
-  use("reference", r.reference, "classes", r.classes, "metrics", r.metrics);
+  use("reference", r.reference, "pixel_truth", r.pixel_truth, "classes", r.classes, "metrics", r.metrics);
   use("causes", r.causes, "cause_errors", r.cause_errors);
 }
 static void for_each_field(MaybeConst<Record::OwnCauseFacts> auto& r, const auto& use) {
@@ -52,7 +55,7 @@ static void for_each_field(MaybeConst<Record::SceneFacts> auto& r, const auto& u
 static void for_each_field(MaybeConst<Record> auto& r, const auto& use) {
   use("job", r.job, "suite", r.suite, "scene", r.scene, "light", r.light, "light_kind", r.light_kind, "view", r.view);
   use("technique", r.technique, "settings", r.settings, "label", r.label, "role", r.role, "parameters", r.parameters);
-  use("width", r.width, "height", r.height, "truth", r.truth, "path", r.path);
+  use("width", r.width, "height", r.height, "truth", r.truth, "truth_over", r.truth_over, "path", r.path);
   use("start", r.start, "frame_rate", r.frame_rate, "frame_count", r.frame_count, "place", r.place);
   use("status", r.status, "support", r.support, "reason", r.reason);
   use("stages", r.stages, "moving_stages", r.moving_stages);
@@ -81,9 +84,12 @@ void to_json(Json& json, const Record& r) {
   json = Json::object();
   json["schema"] = record_schema;
   json.update(written(r));
-  // The line of a row whose geometry stands still does not have them, nor that of a still the last one.
-  for (const char* key : {"start", "frame_rate", "frame_count", "moving_stages", "kept_frames"})
+  // The line of a row whose geometry stands still does not have these, nor that of a still the last one; the first is of rows
+  // that asked for more than the truth at pixel centers.
+  for (const char* key : {"truth_over", "start", "frame_rate", "frame_count", "moving_stages", "kept_frames"})
     if (json[key].empty()) json.erase(key);
+  for (Json& light : json["lights"])
+    if (light["pixel_truth"].empty()) light.erase("pixel_truth");
   if (std::size(r.lights) == 1)
     for (const char* key : {"classes", "metrics", "causes", "cause_errors"}) json["lights"].front().erase(key);
   json.update(r.unknown);
@@ -136,7 +142,7 @@ void forget_results(Record& r) {
         r.floor, r.gl, r.classes, r.metrics, r.causes, r.cause_errors, r.frames, r.exposure, r.mask, r.error_picture,
         r.shaded_picture, r.kept_frames, r.shares_build);
   for (Record::LightFacts& light : r.lights)
-    empty(light.reference, light.classes, light.metrics, light.causes, light.cause_errors);
+    empty(light.reference, light.pixel_truth, light.classes, light.metrics, light.causes, light.cause_errors);
 }
 
 std::vector<std::string> pictures(const Record& record) {

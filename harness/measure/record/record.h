@@ -7,6 +7,7 @@
 
 #include "measure/gl_inputs.h"
 #include "measure/statistics/statistics.h"
+#include "measure/truth_over.h"
 
 namespace gnomon {
 
@@ -36,7 +37,9 @@ struct Record {
   Json parameters = json_object();  ///< every parameter of the technique with its value, number or text
   int width = 0, height = 0;
   Truth truth = Truth::shape;  ///< the truth that headline metrics use
-  std::string path;            ///< camera path, light path or animation that the row follows; empty: nothing moves
+  /// What the row asked for beside the truth at pixel centers; nothing where that was all, and in older rows.
+  std::optional<TruthOver> truth_over;
+  std::string path;  ///< camera path, light path or animation that the row follows; empty: nothing moves
   /// Of a row whose geometry moves: seconds of the animation at its first frame, and frames per second.
   std::optional<double> start, frame_rate;
   std::optional<int> frame_count;  ///< and how many there are
@@ -86,6 +89,14 @@ struct Record {
     std::optional<GlobalFacts> global = {};
   };
 
+  /// How well the truth over the pixel is known under a light without area, over the pixels of T; on a path at its last frame.
+  struct PixelFacts {
+    int rays = 0;                          ///< eye rays of a pixel
+    double kept = 0;                       ///< share of them that count
+    std::uint64_t tested = 0;              ///< pixels that keep half of theirs or more
+    double error_mean = 0, error_max = 0;  ///< standard errors over these
+  };
+
   /// One light of the row.
   struct LightFacts {
     std::string name, kind;                  ///< kind: "point", "rect"; empty where the scene could not be loaded
@@ -93,6 +104,7 @@ struct Record {
     std::optional<Support::Kind> support;    ///< of several lights one that is unsupported casts no shadows
     std::string reason;
     std::optional<ReferenceFacts> reference;
+    std::optional<PixelFacts> pixel_truth;  ///< where the row asked for it
     // As in the record, of this light's mask. Of one light they are the record's, and the file has them only there.
     std::map<std::string, std::uint64_t> classes;
     Metrics metrics;  ///< headline truth

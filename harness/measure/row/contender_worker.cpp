@@ -115,6 +115,8 @@ std::vector<Answer> ContenderWorker::answers(Record* record) {
   for (const Light& light : run_.lights(frame_)) {
     const auto end = next + static_cast<std::ptrdiff_t>(gbuffer.size());
     answers.push_back({gbuffer, run_.frames.reference(key, light, run_.options.target, bits), {next, end}, {}});
+    if (run_.options.truth_over != TruthOver::center && !has_area(light))
+      answers.back().pixel_truth = run_.frames.pixel_truth(key, light);
     next = end;
   }
   if (!record) return answers;

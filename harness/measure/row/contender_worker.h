@@ -25,6 +25,7 @@ struct SceneRun {
     double timeout = 60;                   ///< seconds that one step of a worker may take
     TraceWatch watch = {};
     std::string program_that_traces = {};  ///< empty: this one
+    TruthOver truth_over = TruthOver::center;
   };
   Scene scene;  ///< in the pose of the frame that `go_to` was called with last
   Options options;

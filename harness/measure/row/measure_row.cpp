@@ -223,6 +223,7 @@ class RowMeasurement {
     std::optional<Record::ReferenceFacts>& facts = record_.lights[number].reference;
     facts = reference_facts(answer, run_.options.target);
     if (facts && now_.global) facts->global = now_.global->facts[number];
+    record_.lights[number].pixel_truth = pixel_facts(answer);
   }
 
   Record& record_;
@@ -240,6 +241,18 @@ class RowMeasurement {
   MeasuredRow now_, before_;
 };
 
+/// What a row of lights with area that asks for the truth over the pixel has to say; empty of others.
+std::string area_note(const std::vector<Light>& lights) {
+  std::vector<std::string> with_area;
+  for (const Light& light : lights)
+    if (has_area(light)) with_area.push_back(light.name);
+  if (with_area.empty()) return {};
+  const std::string names = fmt::format("{} {} area", joined(with_area, ", "), with_area.size() == 1 ? "has" : "have");
+  return with_area.size() == lights.size()
+             ? fmt::format("no coverage_error_mean: {}, and the truth over the pixel is of lights without", names)
+             : fmt::format("coverage_error_mean: {} and counts by the truth at pixel centers", names);
+}
+
 }  // namespace
 
 std::optional<MeasuredRow> measure(Record& record, SceneRun& run, ContenderWorker& worker, const RowFrame& first,
@@ -247,6 +260,8 @@ std::optional<MeasuredRow> measure(Record& record, SceneRun& run, ContenderWorke
   worker.note_gl(record);
   if (first.global_samples > 0)
     if (const auto why = untraceable_light(run.scene)) record.notes.push_back(fmt::format("no radiosity_error: {}", *why));
+  if (run.options.truth_over != TruthOver::center)
+    if (std::string note = area_note(run.lights(first)); !note.empty()) record.notes.push_back(std::move(note));
   if (first.path)
     if (const std::string why = flicker_obstacle(first.path->frame_rate); !why.empty())
       record.notes.push_back(fmt::format("no flicker: {}", why));

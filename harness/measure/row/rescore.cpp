@@ -96,7 +96,11 @@ class Row {
 
   /// The row's masks in the channels LIGHT.WHAT.
   MeasuredRow read_row(Truth truth, std::string_view what) const {
-    return kept_row(record_, file_, what, kept_place(record_, *current_.scene, truth), *current_.frames);
+    const KeptPlace place = kept_place(record_, *current_.scene, truth);
+    MeasuredRow row = kept_row(record_, file_, what, place, *current_.frames);
+    for (auto& [light, answer, other_mask, right_on_mesh] : row.lights)
+      if (record_.truth_over && !has_area(light)) answer.pixel_truth = current_.frames->pixel_truth(place.key, light);
+    return row;
   }
 
   /// One mask alone is kept: metrics of the picture of all light, of seams and of further frames stay.

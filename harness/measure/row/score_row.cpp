@@ -76,6 +76,26 @@ std::optional<Record::ReferenceFacts> reference_facts(const Answer& answer, cons
   return facts;
 }
 
+std::optional<Record::PixelFacts> pixel_facts(const Answer& answer) {
+  const PixelTruth& truth = answer.pixel_truth;
+  const Evidence e = answer.evidence();
+  Record::PixelFacts facts{.rays = pixel_rays};
+  std::size_t of_t = 0;
+  for (std::size_t i = 0; i < truth.kept.size(); ++i) {
+    if (e.classes[i] != PixelClass::T) continue;
+    ++of_t;
+    facts.kept += truth.kept[i];
+    if (!e.is_tested_over_pixel(i)) continue;
+    ++facts.tested;
+    facts.error_mean += truth.error[i];
+    facts.error_max = std::max<double>(facts.error_max, truth.error[i]);
+  }
+  if (of_t == 0) return std::nullopt;
+  facts.kept /= static_cast<double>(of_t) * pixel_rays;
+  if (facts.tested > 0) facts.error_mean /= static_cast<double>(facts.tested);
+  return facts;
+}
+
 void put_score(Record& record, std::span<const Score> lights, const Score& whole) {
   const auto put = [](auto& into, const Score& from) {
     into.answer = from.kind;

@@ -127,6 +127,7 @@ std::string hash_of(const Job& job, const Suite& suite) {
                                   job.width, job.height, name(suite.truth), job.path.empty() ? "" : "|" + job.path);
   if (const AreaTarget usual; suite.target.error != usual.error || suite.target.cap != usual.cap)
     asked += fmt::format("|{}|{}", suite.target.error, suite.target.cap);
+  if (suite.truth_over != TruthOver::center) asked += fmt::format("|over {}", name(suite.truth_over));
   if (job.global_samples > 0) asked += fmt::format("|global {}", job.global_samples);
   if (job.times) asked += "|" + job.motion();
   return content_hash(asked).substr(0, 16);
@@ -226,6 +227,7 @@ Record start_record(const Job& job, const Suite& suite, const Scene* scene, cons
   }
   record.place = job.place;
   record.truth = suite.truth;
+  if (suite.truth_over != TruthOver::center) record.truth_over = suite.truth_over;
   record.context = context;
   const Json plugin = plugin_facts(job.contender.technique, job.contender.settings);
   if (!plugin.is_null()) record.context["plugin"] = plugin;

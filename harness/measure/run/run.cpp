@@ -86,7 +86,8 @@ void run_rows(std::vector<PendingRow> rows, const RowsPlan& plan, Progress& prog
                                                   .scratch = scratch.path(),
                                                   .target = plan.suite.target,
                                                   .timeout = plan.suite.timeout,
-                                                  .watch = shown_on(progress, scene)});
+                                                  .watch = shown_on(progress, scene),
+                                                  .truth_over = plan.suite.truth_over});
     auto hash_of = [&, with_motion = std::map<std::vector<std::string>, std::string>()](const Job& job) mutable {
       if (!job.times) return run->frames.scene_hash(job.lights);
       std::string& hash = with_motion[job.lights];

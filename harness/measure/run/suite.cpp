@@ -315,8 +315,8 @@ Suite read_suite(const std::string& name_or_path) {
   }
   const toml::table table = read_toml("suite " + path.string(), path);
   const Table top(table, path, "suite",
-                  {"title", "width", "height", "truth", "processes", "repetitions", "warmups", "timeout", "interval", "budget",
-                   "reference_error", "reference_rays", "group"});
+                  {"title", "width", "height", "truth", "truth_over", "processes", "repetitions", "warmups", "timeout",
+                   "interval", "budget", "reference_error", "reference_rays", "group"});
   Suite suite;
   suite.name = path.stem();
   suite.text = file_text(path);
@@ -326,6 +326,11 @@ Suite read_suite(const std::string& name_or_path) {
   if (top.has("truth")) {
     if (top.text("truth") != "shape" && top.text("truth") != "mesh") top.refuse("truth", top.text("truth"), "shape or mesh");
     suite.truth = top.text("truth") == "mesh" ? Truth::mesh : Truth::shape;
+  }
+  if (top.has("truth_over")) {
+    const auto found = std::ranges::find(truth_over_names, top.text("truth_over"));
+    if (found == std::end(truth_over_names)) top.refuse("truth_over", top.text("truth_over"), "center, pixel or both");
+    suite.truth_over = static_cast<TruthOver>(found - std::begin(truth_over_names));
   }
   suite.processes = top.integer("processes", suite.processes, 1, 1000);
   suite.repetitions = top.integer("repetitions", suite.repetitions, 1, 1000);

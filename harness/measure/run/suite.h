@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "measure/scene/posed_scene.h"
+#include "measure/truth_over.h"
 
 namespace gnomon {
 
@@ -65,6 +66,7 @@ struct Suite {
   std::string text;  ///< of its file; empty where it was none
   int width = 640, height = 360;
   Truth truth = Truth::shape;
+  TruthOver truth_over = TruthOver::center;
   int processes = 5;    ///< fresh worker processes per contender: the unit of statistics
   int repetitions = 3;  ///< timed repetitions of each stage in each process
   int warmups = 3;

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "measure/cause/causes.h"
+#include "measure/frame/pixel_truth.h"
 
 namespace gnomon {
 
@@ -26,6 +27,9 @@ struct Evidence {
   std::span<const float> caster_distance = {};  ///< meters, see SoftReference
   /// Behind casters that let a part of the light through, else empty: how many surfaces are on the way (Reference::surfaces).
   std::span<const std::uint8_t> surfaces = {};
+  /// Under lights without area whose row asks for it, else empty: the truth over the pixel (see PixelTruth).
+  std::span<const float> pixel_mean = {}, pixel_half = {};
+  std::span<const std::uint8_t> pixel_kept = {};
   /// Of several lights together (see Together), else empty: what a pixel would receive of them without shadows. Mask and
   /// reference are shares of it, and `light` is null.
   std::span<const double> received = {};
@@ -39,6 +43,8 @@ struct Evidence {
   std::vector<Evidence> channels = {};
 
   bool faces_light(std::size_t i) const { return classes[i] > PixelClass::F; }
+  /// Whether the truth over the pixel, which must be there, tests a pixel.
+  bool is_tested_over_pixel(std::size_t i) const { return classes[i] == PixelClass::T && pixel_kept[i] >= least_kept_rays; }
   bool is_wrong(std::size_t i) const { return gnomon::is_wrong(mask[i], reference[i], kind); }
   /// Whether a pixel has a cause when causes were looked for: it is tested, and wrong; under a light with area, off at all.
   bool wants_cause(std::size_t i) const {

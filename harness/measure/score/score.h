@@ -13,6 +13,7 @@ struct Answer {
   LightShareKind estimates = LightShareKind::area;  ///< what the mask is compared with under a light with area
   std::vector<CauseInfo> own_causes = {};           ///< of the technique; the texts they refer to outlive the answer
   std::vector<std::uint32_t> parts = {};            ///< Technique::image_parts
+  PixelTruth pixel_truth = {};                      ///< empty where the row does not ask for it
 
   /// Scene and light must outlive it, as this must.
   Evidence evidence(const Scene& scene, const Light& light) const { return evidence(&scene, &light); }
@@ -34,6 +35,9 @@ struct Answer {
             .other_reference = is_irradiance ? reference.mask : reference.irradiance,
             .caster_distance = reference.caster_distance,
             .surfaces = reference.surfaces,
+            .pixel_mean = pixel_truth.mean,
+            .pixel_half = pixel_truth.half,
+            .pixel_kept = pixel_truth.kept,
             .own_causes = own_causes,
             .parts = parts,
             .kind = reference.kind};

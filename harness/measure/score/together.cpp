@@ -12,7 +12,7 @@ namespace {
 
 /// Sums over the lights at one pixel, in double: the order of the lights then does not show in a float.
 struct ShareSums {
-  double mask = 0, shown = 0, reference = 0, half = 0, variance = 0;
+  double mask = 0, shown = 0, reference = 0, half = 0, variance = 0, pixel_mean = 0, pixel_half = 0;
   double worst = 0;  ///< the largest error of one light that has a cause, as light received
 };
 
@@ -27,6 +27,10 @@ void add(const Evidence& e, const std::vector<double>& received, Together& whole
     const bool has_half = e.classes[i] == PixelClass::T && !e.reference_half.empty();
     sum.half += has_half ? received[i] * e.reference_half[i] : reference;
     sum.mask += mask;
+    const bool is_over_pixel = e.classes[i] == PixelClass::T && !e.pixel_mean.empty();
+    sum.pixel_mean += is_over_pixel ? received[i] * e.pixel_mean[i] : reference;
+    sum.pixel_half += is_over_pixel ? received[i] * e.pixel_half[i] : reference;
+    if (is_over_pixel) whole.pixel_kept[i] = std::min(whole.pixel_kept[i], e.pixel_kept[i]);
     sum.shown += received[i] * e.mask[i];
     const double deviation = e.reference_error.empty() ? 0 : received[i] * e.reference_error[i];
     sum.variance += deviation * deviation;
@@ -50,6 +54,7 @@ Together sum_of(std::span<const Evidence> lights, std::span<const Evidence> row)
     return std::ranges::any_of(row, [&](const Evidence& e) { return !(e.*member).empty(); });
   };
   if (any_has(&Evidence::causes)) whole.causes.assign(pixels, Cause::none);
+  if (any_has(&Evidence::pixel_kept)) whole.pixel_kept.assign(pixels, pixel_rays);
   std::vector<ShareSums> sums(pixels);
   for (const Evidence& e : lights) add(e, received_light(gbuffer, *e.light), whole, sums);
 
@@ -57,12 +62,15 @@ Together sum_of(std::span<const Evidence> lights, std::span<const Evidence> row)
   whole.reference = whole.shown = whole.mask;
   if (any_has(&Evidence::reference_error)) whole.reference_error.assign(pixels, 0.0f);
   if (any_has(&Evidence::reference_half)) whole.reference_half.assign(pixels, 1.0f);
+  if (!whole.pixel_kept.empty()) whole.pixel_mean = whole.pixel_half = whole.mask;
   for (std::size_t i = 0; i < pixels; ++i) {
     if (whole.received[i] == 0) continue;
     const auto share = [&](double sum) { return static_cast<float>(sum / whole.received[i]); };
     whole.mask[i] = share(sums[i].mask);
     whole.shown[i] = share(sums[i].shown);
     whole.reference[i] = share(sums[i].reference);
+    if (!whole.pixel_mean.empty()) whole.pixel_mean[i] = share(sums[i].pixel_mean);
+    if (!whole.pixel_half.empty()) whole.pixel_half[i] = share(sums[i].pixel_half);
     if (!whole.reference_half.empty()) whole.reference_half[i] = share(sums[i].half);
     if (!whole.reference_error.empty()) whole.reference_error[i] = share(std::sqrt(sums[i].variance));
   }
@@ -76,7 +84,9 @@ void take(Together& whole, const Together& channel, std::size_t i) {
   };
   take(&Together::classes);
   take(&Together::causes);
-  for (const auto member : {&Together::mask, &Together::reference, &Together::reference_error, &Together::reference_half})
+  take(&Together::pixel_kept);
+  for (const auto member : {&Together::mask, &Together::reference, &Together::reference_error, &Together::reference_half,
+                            &Together::pixel_mean, &Together::pixel_half})
     take(member);
 }
 
@@ -130,6 +140,9 @@ Evidence Together::evidence() const {
           .gbuffer = gbuffer,
           .reference_error = reference_error,
           .reference_half = reference_half,
+          .pixel_mean = pixel_mean,
+          .pixel_half = pixel_half,
+          .pixel_kept = pixel_kept,
           .received = received,
           .own_causes = own_causes,
           .kind = kind,

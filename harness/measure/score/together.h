@@ -20,12 +20,16 @@ struct Together {
   std::vector<float> shown = {};
   std::vector<float> reference_error = {};  ///< standard errors of `reference`; empty where no light has an area
   std::vector<float> reference_half = {};   ///< what half of its rays say; the same
-  std::vector<PixelClass> classes;          ///< T where a light is tested; else the first of U, S, G, F, B that one has
-  std::vector<Cause> causes = {};           ///< of the light that errs most there; empty where no light has causes
-  std::vector<CauseInfo> own_causes = {};   ///< of the technique
-  AnswerKind kind = AnswerKind::received;   ///< of the channels of one light that light's
-  std::optional<Channel> channel = {};      ///< that all lights are of
-  std::vector<Together> channels = {};      ///< in the order red, green, blue; empty where lights are of one or of none
+  /// The truth over the pixel, empty where no light has it. A light that has none, or is not tested, counts by its reference.
+  /// Of rays kept the fewest of a light that is tested.
+  std::vector<float> pixel_mean = {}, pixel_half = {};
+  std::vector<std::uint8_t> pixel_kept = {};
+  std::vector<PixelClass> classes;         ///< T where a light is tested; else the first of U, S, G, F, B that one has
+  std::vector<Cause> causes = {};          ///< of the light that errs most there; empty where no light has causes
+  std::vector<CauseInfo> own_causes = {};  ///< of the technique
+  AnswerKind kind = AnswerKind::received;  ///< of the channels of one light that light's
+  std::optional<Channel> channel = {};     ///< that all lights are of
+  std::vector<Together> channels = {};     ///< in the order red, green, blue; empty where lights are of one or of none
 
   /// It must not outlive this.
   Evidence evidence() const;

@@ -46,7 +46,7 @@ bool has_floor(std::span<const Field> fields) {
 void add_error_columns(std::vector<Column>& columns, const Column& error, std::span<const Field> fields) {
   columns.push_back(error);
   if (has_floor(fields)) columns.push_back(quantity_column(error.name + "_floor"));
-  columns.push_back(for_programs(quantity_column("constant_error")));
+  columns.push_back(for_programs(quantity_column(std::string(constant_metric(error.name)))));
 }
 
 void add_error_cells(Cells& cells, const Field& field, const Candidate* candidate, bool with_floor) {

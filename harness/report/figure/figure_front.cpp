@@ -41,7 +41,8 @@ class FrontPanel {
       costs_.add(c.cost->low * cost_column_.shown_scale);
       costs_.add(c.cost->high * cost_column_.shown_scale);
     }
-    if (options.metric == "error" && field.constant) constant_ = *field.constant * error_column_.shown_scale;
+    if ((options.metric == "error" || options.metric == "coverage_error_mean") && field.constant)
+      constant_ = *field.constant * error_column_.shown_scale;
     for (const double level : {floor_, constant_})
       if (level > 0) errors_.add(level);
     std::sort(front_.begin(), front_.end(), [](const auto* a, const auto* b) { return a->cost->value < b->cost->value; });

@@ -65,7 +65,8 @@ void mark_best(std::span<const Column> columns, Layout::Group& group) {
       const Record& record = *row.record;
       Cell& cell = row.cells[index];
       const double* value = cell.number();
-      if (!value || record.status != Status::ok || record.role != Role::contender || !beats_constant(record)) continue;
+      if (!value || record.status != Status::ok || record.role != Role::contender || !beats_constant(record, column.name))
+        continue;
       competitors.push_back(
           {&cell, *value, cell.is_floored ? 0 : *value, column.log_time ? column.log_time(record) : std::nullopt});
     }
@@ -122,6 +123,7 @@ void add_known(std::vector<std::string>& names, std::span<const Record> records,
 void add_error_columns(std::vector<std::string>& names, std::span<const Record> records) {
   names.emplace_back("error");
   add_known(names, records, {"error_floor", "snapping_floor"});
+  add_known(names, records, {"coverage_error_mean", "coverage_error_rms", "coverage_error_mean_floor"});
   if (has_wrong_pixels(records)) names.emplace_back("wrong_rate");
   add_known(names, records, {"transmittance_error_rms", "transmittance_error_p95", "hue_error"});
   if (any_is(records, AnswerKind::received))
@@ -195,6 +197,8 @@ void add_shorthands(Layout& layout, std::span<const Record> records, bool has_nu
   add("error_settled", "error settled", "mean error of the last 16 of 64 frames in which nothing moves");
   add("ghost_half_life", "ghost half life", "frames after a jump until half of the error that it adds is gone");
   add("ghost_frames", "ghost frames", "frames after a jump until the error is at most 1.1 times that before");
+  add("coverage_error_mean", "coverage error mean",
+      "mean difference from the mean of the reference over each pixel; its floor: what the noise of that mean makes of it");
   add("error_floor", "error floor", floor_note);
   add("other_error_mean", "other error",
       "difference from the light's share of irradiance, or from its share of area where the technique estimates irradiance");

@@ -24,6 +24,8 @@ namespace {
 /// Headline columns that a table can do without where it has little room, the least missed first.
 constexpr std::string_view dispensable[] = {"displacement_p95",
                                             "displacement_mean",
+                                            "coverage_error_mean_floor",
+                                            "coverage_error_rms",
                                             "wrong_rate_all",
                                             "snapping_floor",
                                             "peak_bytes",
