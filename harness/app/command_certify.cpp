@@ -82,7 +82,7 @@ void add_certify(Program& program) {
   command.option("--view", &options.views, "View names; the first by default", {.delimiter = ','});
   command.option("--size", &options.size, "Picture size in pixels, WxH");
   command.option("--truth-over", &options.truth_over,
-                 "Under lights without area, which truth: at pixel centers, over pixels as wholes; center | pixel | both",
+                 "Under lights without area, which truth: that at pixel centers, over pixels as wholes, or both",
                  {.check = one_of({std::begin(truth_over_names), std::end(truth_over_names)})});
   command.flag("--json", &options.json, "As JSON");
 }

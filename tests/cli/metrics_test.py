@@ -51,6 +51,11 @@ SEAM_BINS = ("0_1", "1_2", "2_4", "4_8", "8_16", "16_32", "32_64", "64_up")
 # Metrics that a mask and what `gnomon export` writes do not decide.
 LEFT_OUT = (
     "radiosity_error",  # needs pictures of all light, which no file holds
+    "coverage_error_mean",  # these need the truth over the pixel, which the row asks for and random rays find
+    "coverage_error_rms",
+    "coverage_error_mean_floor",
+    "coverage_error_rms_floor",
+    "coverage_constant_error",
     "instability",  # of rows on a path, which have a test of their own
     *(f"{what}_{bin}" for what in ("error_seam", "seam_share") for bin in SEAM_BINS),  # need the parts of the technique's images
     "contact_hardening",  # needs distances to casters, which the reference's own random rays find and no file holds

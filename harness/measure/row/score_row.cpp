@@ -78,6 +78,7 @@ std::optional<Record::ReferenceFacts> reference_facts(const Answer& answer, cons
 
 std::optional<Record::PixelFacts> pixel_facts(const Answer& answer) {
   const PixelTruth& truth = answer.pixel_truth;
+  if (truth.kept.empty()) return std::nullopt;
   const Evidence e = answer.evidence();
   Record::PixelFacts facts{.rays = pixel_rays};
   std::size_t of_t = 0;
@@ -90,8 +91,7 @@ std::optional<Record::PixelFacts> pixel_facts(const Answer& answer) {
     facts.error_mean += truth.error[i];
     facts.error_max = std::max<double>(facts.error_max, truth.error[i]);
   }
-  if (of_t == 0) return std::nullopt;
-  facts.kept /= static_cast<double>(of_t) * pixel_rays;
+  if (of_t > 0) facts.kept /= static_cast<double>(of_t) * pixel_rays;
   if (facts.tested > 0) facts.error_mean /= static_cast<double>(facts.tested);
   return facts;
 }

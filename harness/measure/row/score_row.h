@@ -28,7 +28,7 @@ RowScore score(const MeasuredRow& row, const Scene& scene, const MeasuredRow* be
 /// The precision of the reference of an answer that is a fraction, over all pixels that it has; nothing of a binary one.
 std::optional<Record::ReferenceFacts> reference_facts(const Answer& answer, const AreaTarget& target);
 
-/// The precision of the truth over the pixel; nothing where the answer has none, and where no pixel is of T.
+/// The precision of the truth over the pixel; nothing where the answer has none.
 std::optional<Record::PixelFacts> pixel_facts(const Answer& answer);
 
 /// Puts scores into a record whose lights are described: metrics against its headline truth. There is one for each light.

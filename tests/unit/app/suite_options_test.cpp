@@ -116,6 +116,15 @@ TEST(suite_options, times_and_frames_that_do_not_go_together_are_refused) {
   expect_words(error(), {"--time 0.25 is of stills of one animation", "walk, fly"});
 }
 
+TEST(suite_options, the_truth_over_pixels_replaces_that_of_a_suite) {
+  SuiteOptions options;
+  options.scenes = {"a"};
+  options.techniques = {"unshadowed"};
+  EXPECT_EQ(make_suite(options, "run").truth_over, TruthOver::center);
+  options.truth_over = "both";
+  EXPECT_EQ(make_suite(options, "run").truth_over, TruthOver::both);
+}
+
 TEST(time_option, rewrites_the_reference_of_one_scene) {
   std::string scene = "a@01";
   put_time(scene, {});

@@ -134,6 +134,22 @@ Record example(const std::string& job = "00ff") {
 
 Record read(const std::string& line) { return Json::parse(line).get<Record>(); }
 
+TEST(record, what_a_row_asks_for_beside_the_centers_is_there_where_it_does) {
+  Record r = example();
+  const Json without = Json::parse(record_line(r));
+  EXPECT_FALSE(without.contains("truth_over"));
+  EXPECT_FALSE(without["lights"][0].contains("pixel_truth"));
+  r.truth_over = TruthOver::both;
+  r.lights[0].pixel_truth =
+      Record::PixelFacts{.rays = 64, .kept = 0.75, .tested = 300000, .error_mean = 0.0625, .error_max = 0.125};
+  const Record back = read(record_line(r));
+  EXPECT_EQ(record_line(back), record_line(r));
+  EXPECT_EQ(back.truth_over, TruthOver::both);
+  EXPECT_EQ(back.lights[0].pixel_truth->tested, 300000u);
+  EXPECT_EQ(back.lights[0].pixel_truth->error_max, 0.125);
+  EXPECT_TRUE(back.unknown.empty());
+}
+
 TEST(record, every_field_survives_writing_and_reading) {
   const std::string line = record_line(example());
   const Record back = read(line);

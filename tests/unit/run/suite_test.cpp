@@ -99,6 +99,24 @@ TEST(suite, what_is_wrong_with_sizes_and_paths_is_said) {
             "light_jump");
 }
 
+TEST(suite, names_what_the_truth_is_over) {
+  EXPECT_EQ(read_suite(File(group).path).truth_over, TruthOver::center);
+  EXPECT_EQ(read_suite(File("truth_over = 'pixel'\n" + group).path).truth_over, TruthOver::pixel);
+  EXPECT_EQ(read_suite(File("truth_over = 'both'\n" + group).path).truth_over, TruthOver::both);
+  EXPECT_EQ(trouble("truth_over = 'corner'\n" + group), "suite.truth_over = corner is not center, pixel or both (FILE:1)");
+}
+
+TEST(jobs, the_truth_at_centers_is_no_part_of_a_hash) {
+  SceneLibrary library;
+  const auto hash = [&](const std::string& key) {
+    const File file(key + group);
+    return expand_jobs(read_suite(file.path), library, {.program = tested_program()}).jobs.at(0).hash;
+  };
+  EXPECT_EQ(hash("truth_over = 'center'\n"), hash(""));
+  EXPECT_NE(hash("truth_over = 'both'\n"), hash(""));
+  EXPECT_NE(hash("truth_over = 'both'\n"), hash("truth_over = 'pixel'\n"));
+}
+
 // The hash is a promise: records of earlier versions are found again.
 TEST(jobs, a_job_that_stands_still_keeps_its_hash) {
   const File file("width = 640\nheight = 360\n" + group);
