@@ -55,7 +55,7 @@ constexpr BiasPreset presets[] = {
      .spot = BiasNumbers{.meters = 0.001, .slope = 2, .normal = 1},
      .point = BiasNumbers{.meters = 0.001, .slope = 2, .normal = 1}},
     {.name = "three_js",
-     .source = "three.js r187: bias 0, normalBias 0; it draws faces turned away from the light, stored=second is near that",
+     .source = "three.js r187: bias 0, normalBias 0; it draws faces turned away from the light, faces=back draws those, too",
      .directional = BiasNumbers{},
      .spot = BiasNumbers{},
      .point = BiasNumbers{}}};

@@ -1,6 +1,7 @@
 // The list of metrics, and all that need no file of their own.
 #include <algorithm>
 
+#include "measure/score/coverage_error.h"
 #include "measure/score/metrics.h"
 
 namespace gnomon {
@@ -84,47 +85,6 @@ std::optional<double> share_by_seam(const Scoring& s) {
   return bins.empty() ? std::nullopt : share(static_cast<double>(bins[k].tested), static_cast<double>(s.error_counts().tested));
 }
 
-/// Of all numbers the median is the nearest to the reference in the mean. `tested` is that of the tested pixels.
-std::optional<double> least_constant_error(std::vector<float> tested) {
-  if (tested.empty()) return std::nullopt;
-  const auto middle = tested.begin() + std::ssize(tested) / 2;
-  std::ranges::nth_element(tested, middle);
-  double sum = 0;
-  for (const float reference : tested) sum += std::abs(reference - *middle);
-  return share(sum, static_cast<double>(tested.size()));
-}
-
-std::optional<double> constant_error(const Scoring& s) {
-  const Evidence& e = s.evidence();
-  std::vector<float> tested;
-  for (std::size_t i = 0; i < e.reference.size(); ++i)
-    if (e.classes[i] == PixelClass::T) tested.push_back(e.reference[i]);
-  return least_constant_error(std::move(tested));
-}
-
-std::optional<double> coverage_constant_error(const Scoring& s) {
-  const Evidence& e = s.evidence();
-  std::vector<float> tested;
-  for (std::size_t i = 0; i < e.pixel_mean.size(); ++i)
-    if (e.is_tested_over_pixel(i)) tested.push_back(e.pixel_mean[i]);
-  return least_constant_error(std::move(tested));
-}
-
-/// Root of the mean, or the mean, of a power of |values - the truth over the pixel|; nothing where no pixel is tested by it.
-template <int power>
-std::optional<double> coverage_error(const Evidence& e, std::span<const float> values) {
-  double sum = 0;
-  std::size_t tested = 0;
-  for (std::size_t i = 0; i < e.pixel_mean.size(); ++i) {
-    if (!e.is_tested_over_pixel(i)) continue;
-    const double off = std::abs(static_cast<double>(values[i]) - e.pixel_mean[i]);
-    sum += power == 2 ? off * off : off;
-    ++tested;
-  }
-  const std::optional<double> mean = share(sum, static_cast<double>(tested));
-  return mean && power == 2 ? std::optional(std::sqrt(*mean)) : mean;
-}
-
 constexpr std::string_view floor_sentence =
     "Distance of the metric of that name from its best value by the reference's noise alone: half of its rays against all "
     "of them. Under lights with area.";
@@ -142,7 +102,7 @@ std::optional<double> floor_of(std::optional<double> of_half, double best) {
 
 template <int power>
 std::optional<double> coverage_error_floor(const Scoring& s) {
-  return floor_of(coverage_error<power>(s.evidence(), s.evidence().pixel_half), 0);
+  return floor_of(coverage_error(s.evidence(), s.evidence().pixel_half, power), 0);
 }
 
 template <std::optional<double> Softness::*metric, int best>
@@ -160,9 +120,9 @@ constexpr MetricInfo metric_rows[] = {
     {"coverage_error_mean", "", "lower",
      "Mean of |V - V_pixel| over the pixels of T of whose eye rays at least half are kept. V_pixel is the mean of V_ref over the "
      "pixel (--truth-over). Under lights without area.",
-     [](const Scoring& s) { return coverage_error<1>(s.evidence(), s.evidence().mask); }},
+     [](const Scoring& s) { return coverage_error(s.evidence(), s.evidence().mask, 1); }},
     {"coverage_error_rms", "", "lower", "Root of the mean square of the same differences.",
-     [](const Scoring& s) { return coverage_error<2>(s.evidence(), s.evidence().mask); }},
+     [](const Scoring& s) { return coverage_error(s.evidence(), s.evidence().mask, 2); }},
     {"coverage_error_mean_floor", "", "", coverage_floor_sentence, coverage_error_floor<1>},
     {"coverage_error_rms_floor", "", "", coverage_floor_sentence, coverage_error_floor<2>},
     {"coverage_constant_error", "", "",
