@@ -61,8 +61,8 @@ ComparedMap::ComparedMap(const Defaults& defaults)
       normal_offset(this, "normal_offset", 1.5, {.unit = "texel", .min = 0, .max = 16}, Stage::relight,
                     "How far the look-up point is moved along the normal; for bias=normal_offset."),
       pass(this, "pass", name(default_mask_pass), {name(MaskPass::fragment), name(MaskPass::compute)}, Stage::setup,
-           "What looks points up: fragments of a triangle over the picture, or invocations of a compute shader. The mask is "
-           "the same."),
+           "Points are looked up by fragments of a triangle over the picture, or by invocations of a compute shader. The mask "
+           "is the same."),
       faces(this, "faces", "front", {"front", "back", "both"}, Stage::relight,
             "Which faces of closed casters images show: those turned to the light, those turned away, or both; of open ones "
             "all. For what stores the first surface."),
