@@ -142,6 +142,12 @@ std::size_t index_of(const std::vector<Item>& items, const std::string& name) {
 
 }  // namespace
 
+Job with_contender(Job job, Contender contender, const Suite& suite) {
+  job.contender = std::move(contender);
+  job.hash = hash_of(job, suite);
+  return job;
+}
+
 RowFrame first_frame(const Job& job, const Scene& scene) {
   RowFrame frame{.lights = {}, .view = index_of(scene.views, job.view), .width = job.width, .height = job.height, .path = {}};
   for (const std::string& light : job.lights) frame.lights.push_back(index_of(scene.lights, light));

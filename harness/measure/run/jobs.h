@@ -55,6 +55,9 @@ struct SuiteJobs {
 /// Throws Error when a scene lacks a named light, view, path or animation, or one of these has a frame that cannot be drawn.
 SuiteJobs expand_jobs(const Suite& suite, SceneLibrary& library, const WorkerOptions& worker);
 
+/// The same row with another contender.
+Job with_contender(Job job, Contender contender, const Suite& suite);
+
 /// The first frame of the job's row. The scene is at rest, or the job's geometry moves: slides are made for a scene at rest.
 RowFrame first_frame(const Job& job, const Scene& scene);
 /// The job's record with all facts from before the run. `scene` is null where it is not fetched.

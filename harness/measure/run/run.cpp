@@ -51,6 +51,7 @@ struct RowsPlan {
   std::function<std::vector<Json>()> contexts;
   /// Takes a batch whose rows are complete, and the seconds beside the rows by process; none where its scene is not fetched.
   std::function<void(const std::vector<PendingRow>& batch, std::optional<double> opening)> done;
+  std::function<bool()> is_over = {};    ///< called before each batch: whether the rest is not run; empty: all are
   UnfinishedRows* unfinished = nullptr;  ///< where rows wait for the rest of their processes; none where nothing is resumed
 };
 
@@ -94,6 +95,7 @@ void run_rows(std::vector<PendingRow> rows, const RowsPlan& plan, Progress& prog
       return hash.empty() ? hash = scene_hash(*entry.scene, job.lights, WithMotion::yes) : hash;
     };
     for (std::vector<PendingRow>& batch : split(std::move(by_scene[scene]))) {
+      if (plan.is_over && plan.is_over()) return;
       const std::vector<Json> contexts = plan.contexts();
       if (run) run->go_to_rest();  // from where the last row has left it
       for (PendingRow& row : batch) {
@@ -146,57 +148,77 @@ std::vector<Job> select_jobs(const RunOptions& options, std::vector<Job> jobs) {
   return jobs;
 }
 
-RunSummary run_suite(const RunOptions& options, SceneLibrary& library, Progress& progress) {
-  const auto start = std::chrono::steady_clock::now();
-  const SuiteJobs suite = expand_jobs(options.suite, library, options.worker);
-  const std::vector<Job> jobs = select_jobs(options, suite.jobs);
-  const auto refuse = [&] {
-    if (!options.resume) refuse_records(options.out, "continue them with --resume, or name another --out");
-  };
+namespace {
+
+/// The folder, made where it is not there and refused where its records are not continued.
+const fs::path& claimed(const RunOptions& options) {
   make_folder(options.out, "output folder");
-  refuse();
-  // From here on the folder is ours: no other run continues or changes its rows.
-  RecordWriter writer(options.out);
-  refuse();  // of a run that ended just now
-  const Earlier earlier = options.resume ? earlier_rows(options, library, suite.jobs, jobs) : Earlier{};
-  for (const std::string& note : earlier.notes) progress.say(note);
+  if (!options.resume) refuse_records(options.out, "continue them with --resume, or name another --out");
+  return options.out;
+}
+
+}  // namespace
+
+OpenRun::OpenRun(const RunOptions& options, SceneLibrary& library, std::span<const Job> suite, std::span<const Job> jobs,
+                 Progress& progress)
+    : options_(options), library_(library), writer_(claimed(options)) {
+  claimed(options);  // from here on no other run changes its rows; one may have ended just now
+  if (options.resume) earlier_ = earlier_rows(options, library, suite, jobs);
+  for (const std::string& note : earlier_.notes) progress.say(note);
   add_to_run_file(options, machine_context(options.worker.threads), library, jobs);
-  if (earlier.is_changed) writer.replace(earlier.kept);
-  for (const Record& record : earlier.dropped) remove_pictures(record, options.out);
+  if (earlier_.is_changed) writer_.replace(earlier_.kept);
+  for (const Record& record : earlier_.dropped) remove_pictures(record, options.out);
   remove_unfinished_pictures(options.out);
-  RunSummary summary;
-  summary.left_out = suite.left_out;
   std::set<std::string> waiting;  // jobs of the suite that may go on where a run was killed
   if (options.resume)
-    for (const Job& job : suite.jobs)
-      if (!earlier.done.contains(job.hash)) waiting.insert(job.hash);
-  UnfinishedRows unfinished(options.out, options.suite, waiting, options.retry_failed);
+    for (const Job& job : suite)
+      if (!earlier_.done.contains(job.hash)) waiting.insert(job.hash);
+  unfinished_.emplace(options.out, options.suite, waiting, options.retry_failed);
+}
+
+void OpenRun::add_rows(std::span<const Job> jobs, const Round& round) {
   std::vector<PendingRow> rows;
-  for (const Job& job : jobs) {
-    if (earlier.done.contains(job.hash))
-      ++summary.done_before;
-    else
-      rows.push_back({.job = job, .record = {}});
-  }
-  const Side side{options.worker, options.out};
-  const auto contexts = [&] { return std::vector{machine_context(options.worker.threads)}; };
+  for (const Job& job : jobs) rows.push_back({.job = job, .record = {}});
+  const Side side{options_.worker, options_.out};
+  const auto contexts = [&] { return std::vector{machine_context(options_.worker.threads)}; };
   const auto keep = [&](const std::vector<PendingRow>& batch, std::optional<double> opening) {
     std::vector<RowCost> costs;
     for (const PendingRow& row : batch) {
-      writer.append(row.record);
-      if (opening) costs.push_back(cost_of(row.record, options.suite.warmups, *opening));
-      ++(row.record.status == Status::ok       ? summary.ok
-         : row.record.status == Status::failed ? summary.failed
-                                               : summary.unsupported);
+      writer_.append(row.record);
+      if (opening) costs.push_back(cost_of(row.record, round.suite.warmups, *opening));
+      if (round.seen) round.seen(row.record);
     }
     try {
       own_history().add(costs);
     } catch (const Error& error) {  // estimates get worse, results do not
-      progress.say(error.what());
+      round.progress.say(error.what());
     }
   };
-  run_rows(std::move(rows), {options.suite, library, {&side, 1}, options.out, contexts, keep, &unfinished}, progress);
-  writer.close();
+  run_rows(std::move(rows),
+           {.suite = round.suite,
+            .scenes = library_,
+            .sides = {&side, 1},
+            .out = options_.out,
+            .contexts = contexts,
+            .done = keep,
+            .is_over = round.is_over,
+            .unfinished = &*unfinished_},
+           round.progress);
+}
+
+RunSummary run_suite(const RunOptions& options, SceneLibrary& library, Progress& progress) {
+  const auto start = std::chrono::steady_clock::now();
+  const SuiteJobs suite = expand_jobs(options.suite, library, options.worker);
+  std::vector<Job> jobs = select_jobs(options, suite.jobs);
+  OpenRun run(options, library, suite.jobs, jobs, progress);
+  RunSummary summary;
+  summary.left_out = suite.left_out;
+  summary.done_before = std::erase_if(jobs, [&](const Job& job) { return run.earlier().done.contains(job.hash); });
+  const auto count = [&](const Record& record) {
+    ++(record.status == Status::ok ? summary.ok : record.status == Status::failed ? summary.failed : summary.unsupported);
+  };
+  run.add_rows(jobs, {options.suite, progress, count});
+  run.close();
   summary.seconds = seconds_since(start);
   return summary;
 }

@@ -1,5 +1,5 @@
 #pragma once
-#include "measure/run/jobs.h"
+#include "measure/run/unfinished.h"
 
 namespace gnomon {
 
@@ -10,6 +10,7 @@ struct RunOptions {
   bool resume = false;
   bool retry_failed = false;             ///< with resume: rows that failed are run again
   bool rebuilt = false;                  ///< with resume: rows that other code measured are run again, and no error
+  bool any_effort = false;               ///< with resume: rows may have any number of processes and repetitions
   std::vector<std::string> command;      ///< the words by which the program was called, for run.json
   int shard_index = 0, shard_count = 1;  ///< runs the jobs of this shard, by their hash
   WorkerOptions worker;                  ///< of this program
@@ -49,10 +50,37 @@ void use_recorded_scenes(const std::filesystem::path& out, Suite& suite, SceneLi
 /// a folder without any row of the suite. Where it has some, a note counts the rest.
 Earlier earlier_rows(const RunOptions& options, SceneLibrary& library, std::span<const Job> suite, std::span<const Job> jobs);
 
-/// Runs the selected jobs: one record per job in OUT/records.jsonl, masks, error pictures and shaded pictures beside it. A
-/// worker that fails costs its own row. The times of the rows are kept for estimates (estimate.h). The folder belongs to one
-/// run at a time. Throws Error on an output folder that another run writes, or that contains records without `resume` or such
-/// that cannot be continued (earlier_rows), and on a full disk.
+/// The folder of a run while rows are added to it, all at once or in rounds. It belongs to one run at a time.
+class OpenRun {
+ public:
+  /// Makes the folder or continues it; `suite` are all jobs that it may get, `jobs` those that are selected. Throws Error on a
+  /// folder that another run writes, and on one with records that the options do not continue (earlier_rows).
+  OpenRun(const RunOptions& options, SceneLibrary& library, std::span<const Job> suite, std::span<const Job> jobs,
+          Progress& progress);
+  const Earlier& earlier() const { return earlier_; }
+
+  /// How rows are added.
+  struct Round {
+    const Suite& suite;  ///< processes, repetitions and pictures
+    Progress& progress;
+    std::function<void(const Record&)> seen = {};  ///< called with each row when it is in the file
+    std::function<bool()> is_over = {};            ///< asked before every batch of rows: whether the rest is not run
+  };
+  /// Runs these jobs: a row of a job that has one already counts in its place. A worker that fails costs its own row. The
+  /// times of the rows are kept for estimates (estimate.h). Throws Error on a full disk.
+  void add_rows(std::span<const Job> jobs, const Round& round);
+  void close() { writer_.close(); }
+
+ private:
+  const RunOptions& options_;
+  SceneLibrary& library_;
+  RecordWriter writer_;
+  Earlier earlier_;
+  std::optional<UnfinishedRows> unfinished_;
+};
+
+/// Runs the selected jobs: one record per job in OUT/records.jsonl, masks, error pictures and shaded pictures beside it. Throws
+/// Error as OpenRun does.
 RunSummary run_suite(const RunOptions& options, SceneLibrary& library, Progress& progress);
 
 /// Runs every selected job with two programs side by side: workers of both live at once and their repetitions are interleaved

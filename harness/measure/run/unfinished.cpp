@@ -19,7 +19,8 @@ Json effort_of(const Suite& suite) {
                       {"pictures", static_cast<int>(suite.pictures)},
                       {"reference_error", suite.target.error},
                       {"reference_rays", suite.target.cap},
-                      {"truth", name(suite.truth)}});
+                      {"truth", name(suite.truth)},
+                      {"truth_over", name(suite.truth_over)}});
 }
 
 /// Whether all that a row's record has before it runs is in another one, but for what differs from start to start.
