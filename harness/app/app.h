@@ -25,6 +25,7 @@ void add_describe(Program& program);
 void add_check(Program& program);
 void add_render(Program& program);
 void add_run(Program& program);
+void add_tune(Program& program);
 void add_table(Program& program);
 void add_compare(Program& program);
 void add_merge(Program& program);
@@ -40,6 +41,9 @@ void add_view(Program& program);
 
 /// The whole program. Exit status: 0 done (unsupported rows included), 1 done but something failed, 2 bad usage or input.
 int run_program(int argc, char** argv);
+
+/// "I/N" with 0 <= I < N, the value of --shard. Throws Error.
+std::pair<int, int> parse_shard(const std::string& text);
 
 /// "shape" or "mesh", the value of --truth. Throws Error.
 Truth parse_truth(const std::string& text);

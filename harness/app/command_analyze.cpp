@@ -23,6 +23,7 @@ const std::map<std::string, std::vector<std::string>> taken_options{
     {"motion", {"--error"}},
     {"sweep", {"--x", "--error"}},
     {"seams", {}},
+    {"parameters", {"--error"}},
     {"stages", {"--cost"}},
     {"causes", {}},
 };
@@ -189,9 +190,10 @@ void add_analyze(Program& program) {
 
 void add_figure(Program& program) {
   auto [command, options] = program.line.command<PictureOptions>(
-      "figure", "A figure of a run, by gnuplot: DIR... front|growth|stages|map|causes|motion|sweep --out FILE.svg|.pdf|.png",
+      "figure",
+      "A figure of a run, by gnuplot: DIR... front|growth|stages|map|causes|motion|sweep|parameters --out FILE.svg|.pdf|.png",
       make_figure);
-  add_shared_options(command, "front, growth, stages, map, causes, motion or sweep", options);
+  add_shared_options(command, "front, growth, stages, map, causes, motion, sweep or parameters", options);
   command.option("--out", &options.out, "File to write; .svg, .pdf or .png", {.check = not_empty()});
   command.flag("--script", &options.script, "Print the gnuplot program instead of running it");
   command.option("--title", &options.figure.title, "Title above the figure; none by default: papers have captions");

@@ -58,20 +58,6 @@ std::size_t count(std::span<const Record> records, Status status) {
   return static_cast<std::size_t>(std::ranges::count(records, status, &Record::status));
 }
 
-/// "I/N" with 0 <= I < N.
-std::pair<int, int> parse_shard(const std::string& text) {
-  int index = 0, count = 0;
-  const auto is_whole = [](std::string_view part, int& number) {
-    const auto [rest, code] = std::from_chars(part.data(), part.data() + part.size(), number);
-    return code == std::errc{} && rest == part.data() + part.size();
-  };
-  const std::size_t slash = std::min(text.find('/'), text.size());
-  const std::string_view all(text), after = all.substr(std::min(slash + 1, text.size()));
-  if (!is_whole(all.substr(0, slash), index) || !is_whole(after, count) || count < 1 || index < 0 || index >= count)
-    throw Error("--shard {} is not I/N with 0 <= I < N", text);
-  return {index, count};
-}
-
 /// The rows that would be run, without those that are done, and how long they would take, estimated from earlier ones.
 void print_rows(const RunOptions& options, SceneLibrary& library) {
   const std::vector<Job> suite_jobs = expand_jobs(options.suite, library, options.worker).jobs;
@@ -210,6 +196,19 @@ int merge(const MergeOptions& options) {
 }
 
 }  // namespace
+
+std::pair<int, int> parse_shard(const std::string& text) {
+  int index = 0, count = 0;
+  const auto is_whole = [](std::string_view part, int& number) {
+    const auto [rest, code] = std::from_chars(part.data(), part.data() + part.size(), number);
+    return code == std::errc{} && rest == part.data() + part.size();
+  };
+  const std::size_t slash = std::min(text.find('/'), text.size());
+  const std::string_view all(text), after = all.substr(std::min(slash + 1, text.size()));
+  if (!is_whole(all.substr(0, slash), index) || !is_whole(after, count) || count < 1 || index < 0 || index >= count)
+    throw Error("--shard {} is not I/N with 0 <= I < N", text);
+  return {index, count};
+}
 
 void write_tables(const fs::path& folder, std::span<const Record> records) {
   if (records.empty()) return;

@@ -25,8 +25,9 @@ struct FigureKind {
   std::string_view name;
   void (*draw)(std::span<const Record>, FigureScript&);
 };
-constexpr FigureKind drawn[] = {{"front", draw_front},   {"growth", draw_growth}, {"stages", draw_stages}, {"map", draw_map},
-                                {"causes", draw_causes}, {"motion", draw_motion}, {"sweep", draw_sweep}};
+constexpr FigureKind drawn[] = {{"front", draw_front}, {"growth", draw_growth},        {"stages", draw_stages},
+                                {"map", draw_map},     {"causes", draw_causes},        {"motion", draw_motion},
+                                {"sweep", draw_sweep}, {"parameters", draw_parameters}};
 
 }  // namespace
 

@@ -12,7 +12,7 @@ struct FigureOptions {
   double width_cm = 16;
 };
 
-/// front, growth, stages, map, causes, motion, sweep.
+/// front, growth, stages, map, causes, motion, sweep, parameters.
 std::vector<std::string> figure_kinds();
 
 /// The gnuplot program that draws the figure of this kind into `out`, data included. The terminal follows the name's ending:

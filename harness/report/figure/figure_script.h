@@ -103,5 +103,6 @@ void draw_causes(std::span<const Record> records, FigureScript& script);
 void draw_map(std::span<const Record> records, FigureScript& script);
 void draw_motion(std::span<const Record> records, FigureScript& script);
 void draw_sweep(std::span<const Record> records, FigureScript& script);
+void draw_parameters(std::span<const Record> records, FigureScript& script);
 
 }  // namespace gnomon

@@ -1,0 +1,83 @@
+#pragma once
+#include "app/app.h"
+#include "measure/run/run.h"
+#include "report/analysis/tune_table.h"
+
+namespace gnomon::app {
+
+/// What `gnomon tune` is to do.
+struct TunePlan {
+  std::vector<TuneSpace> spaces;
+  TuneGoal goal;
+  /// What is kept out of the choice beside scenes, which are left out in turn: lights and views by seed.
+  bool holds_out_places = false;
+  std::uint64_t seed = 1;
+  std::optional<double> budget;  ///< seconds of the search
+  int processes = 0;             ///< of finalists; 0: 5, and 15 of those that are tied
+  RunOptions run;                ///< its suite has scenes, lights, views and sizes; contenders are the search's
+  bool is_quiet = false;
+};
+
+/// Grids of at most so many evaluations are run whole; of larger ones at most so many are.
+inline constexpr double most_evaluations = 2000;
+
+/// One search in one folder: every evaluation is a row of it. The search asks one process for each; finalists are measured by
+/// several.
+class Tuning {
+ public:
+  /// Throws Error on scenes that are not fetched, and on lights and views that they lack.
+  Tuning(TunePlan plan, SceneLibrary& library);
+  std::size_t place_count() const { return places_.size(); }
+  std::size_t held_count() const { return held_.size(); }
+  double possible() const;  ///< evaluations
+  bool is_whole() const { return possible() <= most_evaluations; }
+  /// The rows of the settings at which the searches begin.
+  std::vector<Job> first_jobs();
+  /// How a row of the search is run.
+  const Suite& search_suite() const { return search_suite_; }
+
+  /// Searches. Throws Error where no technique has an answer at any place, and as OpenRun does.
+  void search();
+  /// Whether the rows of all shards are there, as far as the search has got.
+  bool is_shard() const { return plan_.run.shard_count > 1; }
+  std::size_t row_count() const { return records_.size(); }
+  /// Measures the finalists and decides. The records in the report live as long as this.
+  TuneReport decided();
+
+ private:
+  struct Entrant {
+    std::size_t space;
+    TuneSetting setting;
+    bool operator==(const Entrant&) const = default;
+  };
+  Job job_of(const std::string& technique, const std::string& settings, const Job& place);
+  Job job_of(const Entrant& entrant, const Job& place);
+  const Record* record_of(const Entrant& entrant, const Job& place);
+  std::vector<const Record*> records_at(const Entrant& entrant, const std::vector<Job>& places);
+  std::vector<Job> earlier_jobs();
+  void run_jobs(std::span<const Job> jobs, const Suite& suite, bool is_limited);
+  void drop_unanswered();
+  bool answers(std::size_t space, const Job& place);
+  std::vector<std::optional<TuneAnswer>> ask(std::size_t space, std::span<const TuneQuestion> questions);
+  std::vector<Entrant> entrants();
+  void measure(std::span<const Entrant> entrants, int processes);
+  TuneDecision decide_among(std::span<const Entrant> entrants);
+  void add_rows(TuneReport& report, std::span<const Entrant> entrants, const TuneDecision& decision);
+  void add_scenes_left_out(TuneReport& report);
+  void add_notes(TuneReport& report);
+
+  TunePlan plan_;
+  SceneLibrary& library_;
+  Suite search_suite_;
+  std::vector<Job> places_, held_;  ///< rows of the first base; `place` is their number
+  std::size_t all_places_ = 0;
+  std::vector<std::size_t> active_;              ///< spaces that have an answer at every place
+  std::map<std::size_t, TuneSearch> searches_;   ///< of active spaces
+  std::map<std::string, std::size_t> ordinals_;  ///< of settings, by name, in the order in which they were asked
+  std::map<std::string, Record> records_;        ///< by job
+  std::optional<OpenRun> folder_;
+  std::vector<std::string> notes_;
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+}  // namespace gnomon::app
