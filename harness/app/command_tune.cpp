@@ -1,10 +1,9 @@
 // gnomon tune: the setting of a technique that costs least, or errs least, within limits.
-
 #include "app/app.h"
 #include "app/tune_run.h"
 #include "measure/notice.h"
-#include "measure/part_file.h"
 #include "measure/run/estimate.h"
+#include "measure/scene/blob.h"
 #include "measure/worker/machine_context.h"
 #include "report/figure/figure.h"
 
@@ -103,7 +102,7 @@ void print_plan(const TunePlan& plan, Tuning& tuning) {
   const double possible = tuning.possible();
   const double asked = tuning.is_whole() ? possible : std::min(most_evaluations, possible / 5);
   fmt::print("{} places{}; {:.0f} evaluations, of which {}{:.0f} are run\n", tuning.place_count(),
-             tuning.held_count() ? fmt::format(", and {} held out", tuning.held_count()) : "", possible,
+             plan.holds_out_places && tuning.place_count() > 2 ? ", a quarter of them held out" : "", possible,
              tuning.is_whole() ? "all " : "at most ", asked);
   std::vector<RowCost> costs = own_history().read();
   for (RowCost& cost : shipped_costs()) costs.push_back(std::move(cost));

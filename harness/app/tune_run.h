@@ -28,7 +28,6 @@ class Tuning {
   /// Throws Error on scenes that are not fetched, and on lights and views that they lack.
   Tuning(TunePlan plan, SceneLibrary& library);
   std::size_t place_count() const { return places_.size(); }
-  std::size_t held_count() const { return held_.size(); }
   double possible() const;  ///< evaluations
   bool is_whole() const { return possible() <= most_evaluations; }
   /// The rows of the settings at which the searches begin.
@@ -57,6 +56,7 @@ class Tuning {
   std::vector<Job> earlier_jobs();
   void run_jobs(std::span<const Job> jobs, const Suite& suite, bool is_limited);
   void drop_unanswered();
+  void hold_out();
   bool answers(std::size_t space, const Job& place);
   std::vector<std::optional<TuneAnswer>> ask(std::size_t space, std::span<const TuneQuestion> questions);
   std::vector<Entrant> entrants();

@@ -1,0 +1,138 @@
+#!/usr/bin/python3 -IB
+"""`gnomon tune`: the setting that it names is the one that its records say, in one run, resumed, and in shards."""
+
+import re
+import sys
+import unittest
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parent))
+from program import FAULTS, HARD, ProgramTest, records  # noqa: E402
+
+QUICK = ["--size", "96x54", "--pictures", "none", "--processes", "1", "--quiet"]
+MAPS = ["--technique", "shadow_map:resolution={64,256},depth_bias={0.25,4}"]
+ONE = ["--scene", "fence", *HARD]
+
+
+class Tune(ProgramTest):
+    def tune(self, *arguments, out="out", status=0):
+        return self.succeed("tune", *arguments, *QUICK, "--out", out, status=status)
+
+    def errors(self, out="out"):
+        """By settings, the error at the worst place and the most bytes."""
+        worst = {}
+        for row in records(self.dir / out):
+            error, size = worst.get(row["settings"], (0, 0))
+            worst[row["settings"]] = max(error, row["metrics"]["shape"]["error"]), max(size, row["bytes"])
+        return worst
+
+    def answer(self, text):
+        """The settings on the first line that names the technique alone."""
+        return re.search(r"(?m)^shadow_map:?(\S*)$", text).group(1)
+
+    def test_the_least_error_is_that_of_the_records(self):
+        text = self.tune(*ONE, *MAPS, "--least", "error")
+        errors = self.errors()
+        self.assertEqual(len(errors), 4)
+        self.assertEqual(len(records(self.dir / "out")), 8)  # each setting at each of two places, once
+        self.assertEqual(self.answer(text), min(errors, key=lambda settings: errors[settings][0]))
+        self.assertIn("8 evaluations of 8 possible (100 %), seed 1", text)
+        self.assertIn("One scene says nothing of other scenes.", text)
+        for words in ("default", "one step", "runner-up", "commit: ", "processor: "):
+            self.assertIn(words, text)
+        self.assertEqual(self.answer((self.dir / "out/tune.txt").read_text()), self.answer(text))
+        self.assertTrue({"records.jsonl", "run.json", "table.csv", "tune.txt"} <= set(self.names(self.dir / "out")))
+        self.succeed("table", "out")
+
+    def test_the_fewest_bytes_keep_the_limit_at_each_place(self):
+        self.tune(*ONE, *MAPS, "--least", "error", out="all")
+        errors = self.errors("all")
+        large = min(error for settings, (error, _) in errors.items() if "resolution=64" not in settings)
+        small = min(error for settings, (error, _) in errors.items() if "resolution=64" in settings)
+        for limit in (large, small):
+            limit *= 1.001
+            kept = {settings: size for settings, (error, size) in errors.items() if error <= limit}
+            out = f"limit{limit}"
+            text = self.tune(*ONE, *MAPS, "--least", "cost=bytes", "--each", f"error<={limit}", out=out)
+            answer = self.answer(text)
+            self.assertIn(answer, kept)
+            self.assertEqual(kept[answer], min(kept.values()))
+            self.assertRegex(text, r"(?m)^error<=\S+: .* at fence, (point|sun), \d+ % to spare$")
+
+    def test_where_nothing_keeps_the_limit_the_nearest_miss_is_named(self):
+        text = self.tune(*ONE, *MAPS, "--error", "0.00001%", status=1)
+        errors = self.errors()
+        self.assertIn("no setting keeps error<=0.00001% at each of 2 places; the nearest miss", text)
+        self.assertEqual(self.answer(text), min(errors, key=lambda settings: errors[settings][0]))
+        self.assertRegex(text, r"(?m)^error<=0.00001%: .* at fence, (point|sun), \d+ % beyond it$")
+
+    def test_times_decide_among_finalists(self):
+        text = self.tune(*ONE, *MAPS, "--error", "50%")
+        self.assertRegex(text, r"(?m)^least light_ms \(worst over 2 places\), with error<=50% at each$")
+        self.assertRegex(text, r"chance that it is the least of the finalists: \d+ %")
+
+    def test_a_run_resumes_and_shards_join(self):
+        arguments = [*ONE, *MAPS, "--least", "error"]
+        whole = self.tune(*arguments)
+        lines = (self.dir / "out/records.jsonl").read_text().splitlines(keepends=True)
+        self.write("out/records.jsonl", "".join(lines[:3]))  # as if it had been killed
+        self.refuse("tune", *arguments, *QUICK, "--out", "out", says=["out", "--resume"])
+        self.assertEqual(self.answer(self.tune(*arguments, "--resume")), self.answer(whole))
+        self.assertEqual((self.dir / "out/records.jsonl").read_text().splitlines(keepends=True)[:3], lines[:3])
+        self.assertEqual(len(records(self.dir / "out")), 8)
+        for k in range(2):
+            self.assertIn(f"shard {k}/2 has", self.tune(*arguments, "--shard", f"{k}/2", out=f"part{k}"))
+        self.succeed("merge", "part0", "part1", "--out", "joined")
+        self.assertEqual(len(records(self.dir / "joined")), 8)
+        self.assertEqual(self.answer(self.tune(*arguments, "--resume", out="joined")), self.answer(whole))
+        self.assertEqual(len(records(self.dir / "joined")), 8)
+
+    def test_scenes_are_left_out_in_turn(self):
+        text = self.tune("--scene", "fence", "--scene", "contact", "--light", "point", *MAPS, "--least", "error")
+        self.assertIn("Each scene left out in turn, among the 4 settings", text)
+        self.assertRegex(text, r"(?m)^fence +shadow_map")
+        self.assertIn("Fewer than 5 scenes say little of another one", text)
+
+    def test_a_quarter_of_the_places_is_held_out_by_seed(self):
+        arguments = ["--scene", "cornell_box", *MAPS, "--least", "error", *HARD, "--view", "*"]
+        places = len(re.findall(r"(?m)^[0-9a-f]{16} ", self.succeed("run", "--scene", "cornell_box", "--technique", "shadow_map", *HARD,
+                                                                   "--view", "*", "--dry-run")))
+        text = self.tune(*arguments)
+        self.assertEqual("Held out by seed 1" in text, places > 2, text)
+        self.assertIn("One scene says nothing of other scenes.", text)
+
+    def test_a_technique_that_fails_costs_itself(self):
+        text = self.succeed("--plugin", FAULTS, "tune", *ONE, "--technique", "throws", *MAPS, "--least", "error", *QUICK, "--out", "out")
+        self.assertTrue(self.answer(text))
+        self.assertRegex(text, "left out: throws: fence .*the tree has no root")
+
+    def test_a_dry_run_prints_levels_and_evaluations(self):
+        text = self.succeed("tune", "shadow_map", *ONE, "--error", "1%", "--dry-run")
+        self.assertRegex(text, r"(?m)^resolution +64, 128, 256, 512, 1024, 2048, 4096, 8192 +always$")
+        self.assertRegex(text, r"(?m)^slope_bias .* for bias=slope$")
+        self.assertRegex(text, r"2 places; \d+ evaluations, of which at most 2000 are run")
+        self.assertEqual(self.names(self.dir), [])
+
+    def test_bad_input_is_refused_with_what_is_allowed(self):
+        for arguments, says in (
+            ([*ONE, "--error", "1%"], ["needs a technique"]),
+            ([*MAPS, "--error", "1%"], ["needs a scene"]),
+            ([*ONE, *MAPS], ["needs a limit", "--error 1%"]),
+            ([*ONE, *MAPS, "--each", "eror<=1%"], ["eror", "the nearest are error"]),
+            ([*ONE, *MAPS, "--each", "error=1%"], ["NAME<=NUMBER"]),
+            ([*ONE, *MAPS, "--error", "1"], ["100 %", "error<=1%"]),
+            ([*ONE, *MAPS, "--least", "cost=lihgt", "--error", "1%"], ["lihgt", "light"]),
+            ([*ONE, *MAPS, "--error", "1%", "--budget", "soon"], ["--budget soon", "10min"]),
+            ([*ONE, *MAPS, "--error", "1%", "--over", "best"], ["worst or mean"]),
+            ([*ONE, "shadow_map:resolution=64", "--error", "1%"], ["one setting", "nothing to choose"]),
+            ([*ONE, "shadow_map:resolutoin=*", "--error", "1%"], ["resolutoin", "resolution"]),
+            ([*ONE, "shadow_map:resolution={1,64}", "--error", "1%"], ["resolution = 1", "64 .. 8192"]),
+            (["--scene", "fence", "--light", "moon", *MAPS, "--error", "1%"], ["moon", "point"]),
+            ([*ONE, *MAPS, "--error", "1%", "--resume"], ["--resume needs --out"]),
+        ):
+            with self.subTest(arguments[-3:]):
+                self.refuse("tune", *arguments, says=says)
+
+
+if __name__ == "__main__":
+    unittest.main()
