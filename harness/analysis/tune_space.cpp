@@ -240,13 +240,23 @@ std::vector<double> tune_levels(double least, double most, double base, bool is_
   return {levels.begin(), levels.end()};
 }
 
-std::string TuneSpace::settings(const TuneSetting& setting) const {
+namespace {
+
+std::string applied(const std::string& technique, const std::string& settings) {
   const std::unique_ptr<Technique> made = registry().technique(technique).make();
+  made->apply(settings);
+  return made->settings();
+}
+
+}  // namespace
+
+std::string TuneSpace::defaults() const { return applied(technique, fixed); }
+
+std::string TuneSpace::settings(const TuneSetting& setting) const {
   std::string text = fixed;
   for (std::size_t k = 0; k < parameters.size(); ++k)
     text += fmt::format("{}{}={}", text.empty() ? "" : ",", parameters[k].name, parameters[k].values[setting[k]]);
-  made->apply(text);
-  return made->settings();
+  return applied(technique, text);
 }
 
 std::string TuneSpace::name(const TuneSetting& setting) const {

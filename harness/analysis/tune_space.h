@@ -22,6 +22,8 @@ struct TuneSpace {
 
   /// "a=1,b=2" of what differs from the technique's defaults.
   std::string settings(const TuneSetting& setting) const;
+  /// The same of the technique's defaults with what is fixed: they need not be in the grid.
+  std::string defaults() const;
   /// "shadow_map:a=1,b=2".
   std::string name(const TuneSetting& setting) const;
 };

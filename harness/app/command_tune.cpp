@@ -92,7 +92,10 @@ TunePlan plan_of(TuneOptions& options, const Command& command, const Program& pr
 /// The levels of every parameter, how many evaluations there are and about how long they take.
 void print_plan(const TunePlan& plan, Tuning& tuning) {
   for (const TuneSpace& space : plan.spaces) {
-    fmt::print("{}{}: {:.0f} settings\n", space.technique, space.fixed.empty() ? "" : ":" + space.fixed, space.grid.count());
+    const double count = space.grid.count(), raw_count = space.grid.raw_count();
+    fmt::print(
+        "{}{}: {:.0f} settings{}\n", space.technique, space.fixed.empty() ? "" : ":" + space.fixed, count,
+        count < raw_count ? fmt::format(" of {:.0f} combinations; others differ where it has no effect", raw_count) : "");
     TextTable table({{"parameter", ""}, {"values", ""}, {"has an effect", ""}});
     for (const TuneSpace::Parameter& parameter : space.parameters)
       table.add_row({parameter.name, joined(parameter.values, ", "),

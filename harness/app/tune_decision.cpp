@@ -43,17 +43,17 @@ std::vector<Tuning::Entrant> Tuning::entrants() {
 }
 
 /// Runs rows that have fewer processes, or no picture where the run has some.
-void Tuning::measure(std::span<const Entrant> entrants, int processes) {
+void Tuning::measure(std::span<const Contender> contenders, int processes) {
   Suite suite = plan_.run.suite;
   suite.processes = processes;
   std::vector<Job> jobs;
   for (const std::vector<Job>* places : {&places_, &held_})
     for (const Job& place : *places)
-      for (const Entrant& entrant : entrants) {
-        const Record* record = record_of(entrant, place);
+      for (const Contender& contender : contenders) {
+        const Record* record = record_of(contender, place);
         const bool is_done = record && (record->status != Status::ok ||
                                         record->times(Stage::resolve).size() >= static_cast<std::size_t>(processes));
-        if (!is_done) jobs.push_back(job_of(entrant, place));
+        if (!is_done) jobs.push_back(job_of(contender, place));
       }
   run_jobs(jobs, suite, false);
 }
@@ -65,7 +65,7 @@ TuneDecision Tuning::decide_among(std::span<const Entrant> entrants) {
     const TuneSpace& space = plan_.spaces[entrant.space];
     for (std::size_t k = 0; k < space.parameters.size(); ++k)
       finalist.changes += space.parameters[k].values[entrant.setting[k]] != space.parameters[k].base;
-    for (const Record* record : records_at(entrant, places_)) {
+    for (const Record* record : records_at(contender_of(entrant), places_)) {
       finalist.answers.push_back(record ? tune_answer(*record, plan_.goal) : TuneAnswer{.is_there = false});
       if (!record || !finalist.answers.back().is_there) continue;
       finalist.error = std::max(finalist.error, record->metric("error").value_or(0));
@@ -81,18 +81,21 @@ TuneReport Tuning::decided() {
   std::vector<Entrant> finalists = entrants();
   if (finalists.empty())
     throw Error("no setting was measured at every place{}", plan_.budget ? ": give a larger --budget, or --resume" : "");
-  std::vector<Entrant> measured = finalists;
-  add_once(measured, Entrant{finalists.front().space, plan_.spaces[finalists.front().space].grid.base()});
+  std::vector<Contender> measured;
+  for (const Entrant& entrant : finalists) measured.push_back(contender_of(entrant));
+  const auto is_measured = [&](const Contender& contender) {
+    return std::ranges::any_of(measured, [&](const Contender& one) { return one.name() == contender.name(); });
+  };
+  for (const std::size_t space : active_)
+    if (const Contender base = default_of(space); !is_measured(base)) measured.push_back(base);
   measure(measured, plan_.processes ? plan_.processes : final_processes);
   TuneDecision decision = decide_among(finalists);
   if (decision.tied.size() > 1 && plan_.goal.least.is_time() && !plan_.processes) {
-    std::vector<Entrant> tied;
-    for (const std::size_t k : decision.tied) tied.push_back(finalists[k]);
-    measure(tied, tied_processes);
+    measured.clear();
+    for (const std::size_t k : decision.tied) measured.push_back(contender_of(finalists[k]));
+    measure(measured, tied_processes);
     decision = decide_among(finalists);
   }
-  const Entrant base{finalists[decision.answer].space, plan_.spaces[finalists[decision.answer].space].grid.base()};
-  measure({&base, 1}, plan_.processes ? plan_.processes : final_processes);
   TuneReport report{.goal = plan_.goal};
   add_rows(report, finalists, decision);
   add_scenes_left_out(report);
@@ -104,23 +107,20 @@ TuneReport Tuning::decided() {
 void Tuning::add_rows(TuneReport& report, std::span<const Entrant> entrants, const TuneDecision& decision) {
   const Entrant& answer = entrants[decision.answer];
   const TuneSpace& space = plan_.spaces[answer.space];
-  const Entrant base{answer.space, space.grid.base()};
-  std::vector<Entrant> shown;
-  const auto add = [&](const std::string& what, const Entrant& entrant) {
-    if (std::ranges::find(shown, entrant) != shown.end()) return;
-    shown.push_back(entrant);
-    report.rows.push_back({what, plan_.spaces[entrant.space].name(entrant.setting), records_at(entrant, places_)});
+  const auto add = [&](const std::string& what, const Contender& contender) {
+    const std::string name = contender.name();
+    if (std::ranges::find(report.rows, name, &TuneRow::name) != report.rows.end()) return;
+    std::vector<const Record*> rows = records_at(contender, places_);
+    if (std::ranges::any_of(rows, [](const Record* row) { return row != nullptr; }))
+      report.rows.push_back({what, name, std::move(rows)});
   };
-  add("answer", answer);
-  if (decision.runner_up) add("runner-up", entrants[*decision.runner_up]);
-  add("default", base);
-  for (const std::size_t k : decision.tied) add("tied", entrants[k]);
+  add("answer", contender_of(answer));
+  if (decision.runner_up) add("runner-up", contender_of(entrants[*decision.runner_up]));
+  add("default", default_of(answer.space));
+  for (const std::size_t k : decision.tied) add("tied", contender_of(entrants[k]));
   for (const Entrant& entrant : entrants)
-    if (entrant.space != answer.space) add("best of its own", entrant);
-  for (const TuneSetting& next : space.grid.steps(answer.setting, 1)) {
-    const std::vector<const Record*> rows = records_at({answer.space, next}, places_);
-    if (std::ranges::any_of(rows, [](const Record* row) { return row != nullptr; })) add("one step", {answer.space, next});
-  }
+    if (entrant.space != answer.space) add("best " + plan_.spaces[entrant.space].technique, contender_of(entrant));
+  for (const TuneSetting& next : space.grid.steps(answer.setting, 1)) add("one step", contender_of({answer.space, next}));
   std::vector<TuneAnswer> answers;
   for (const Record* record : report.rows.front().rows) answers.push_back(tune_answer(*record, plan_.goal));
   report.is_feasible = standing(answers, places_.size(), plan_.goal.over).keeps_limits();
@@ -128,8 +128,8 @@ void Tuning::add_rows(TuneReport& report, std::span<const Entrant> entrants, con
     if (k != decision.answer) report.tied.push_back(plan_.spaces[entrants[k].space].name(entrants[k].setting));
   if (plan_.goal.least.is_time() && report.is_feasible) report.chances = decision.chances;
   for (const Record* record : report.rows.front().rows) report.places.push_back(place_of(*record));
-  report.answer_held = records_at(answer, held_);
-  report.default_held = records_at(base, held_);
+  report.answer_held = records_at(contender_of(answer), held_);
+  report.default_held = records_at(default_of(answer.space), held_);
   for (const Record* record : report.answer_held) report.held.push_back(place_of(*record));
   report.effects = tune_effects(space, searches_.at(answer.space), answer.setting, places_.size(), plan_.goal.over);
 }

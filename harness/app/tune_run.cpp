@@ -10,8 +10,7 @@ Tuning::Tuning(TunePlan plan, SceneLibrary& library) : plan_(std::move(plan)), l
   SuiteGroup& group = suite.groups.front();
   for (const std::string& scene : group.scenes)
     if (const std::string missing = library.get(scene).missing; !missing.empty()) throw Error("{}", missing);
-  const TuneSpace& first = plan_.spaces.front();
-  group.contenders = {{first.technique, first.settings(first.grid.base()), "", false}};
+  group.contenders.push_back(contender_of({0, plan_.spaces.front().grid.base()}));
   places_ = expand_jobs(suite, library, plan_.run.worker).jobs;
   all_places_ = places_.size();
   // Times of the search are compared with one another; where none decides, one repetition is enough.
@@ -27,33 +26,37 @@ double Tuning::possible() const {
   return count;
 }
 
-Job Tuning::job_of(const std::string& technique, const std::string& settings, const Job& place) {
-  Job job = with_contender(place, {technique, settings, "", false}, plan_.run.suite);
-  const std::size_t ordinal = ordinals_.try_emplace(job.contender.name(), ordinals_.size()).first->second;
+Contender Tuning::contender_of(const Entrant& entrant) const {
+  const TuneSpace& space = plan_.spaces[entrant.space];
+  return {space.technique, space.settings(entrant.setting), "", false};
+}
+
+Contender Tuning::default_of(std::size_t space) const {
+  return {plan_.spaces[space].technique, plan_.spaces[space].defaults(), "", false};
+}
+
+Job Tuning::job_of(const Contender& contender, const Job& place) {
+  Job job = with_contender(place, contender, plan_.run.suite);
+  const std::size_t ordinal = ordinals_.try_emplace(contender.name(), ordinals_.size()).first->second;
   job.place = ordinal * all_places_ + place.place;
   return job;
 }
 
-Job Tuning::job_of(const Entrant& entrant, const Job& place) {
-  const TuneSpace& space = plan_.spaces[entrant.space];
-  return job_of(space.technique, space.settings(entrant.setting), place);
-}
-
-const Record* Tuning::record_of(const Entrant& entrant, const Job& place) {
-  const auto found = records_.find(job_of(entrant, place).hash);
+const Record* Tuning::record_of(const Contender& contender, const Job& place) {
+  const auto found = records_.find(job_of(contender, place).hash);
   return found == records_.end() ? nullptr : &found->second;
 }
 
-std::vector<const Record*> Tuning::records_at(const Entrant& entrant, const std::vector<Job>& places) {
+std::vector<const Record*> Tuning::records_at(const Contender& contender, const std::vector<Job>& places) {
   std::vector<const Record*> rows;
-  for (const Job& place : places) rows.push_back(record_of(entrant, place));
+  for (const Job& place : places) rows.push_back(record_of(contender, place));
   return rows;
 }
 
 std::vector<Job> Tuning::first_jobs() {
   std::vector<Job> jobs;
   for (std::size_t space = 0; space < plan_.spaces.size(); ++space)
-    for (const Job& place : places_) jobs.push_back(job_of({space, plan_.spaces[space].grid.base()}, place));
+    for (const Job& place : places_) jobs.push_back(job_of(contender_of({space, plan_.spaces[space].grid.base()}), place));
   return jobs;
 }
 
@@ -65,7 +68,8 @@ std::vector<Job> Tuning::earlier_jobs() {
     if (!registry().find_technique(record.technique)) continue;
     for (const Job& place : places_) {
       if (place.scene != record.scene || place.light != record.light || place.view != record.view) continue;
-      if (Job job = job_of(record.technique, record.settings, place); job.hash == record.job) jobs.push_back(std::move(job));
+      if (Job job = job_of({record.technique, record.settings, "", false}, place); job.hash == record.job)
+        jobs.push_back(std::move(job));
     }
   }
   return jobs;
@@ -80,14 +84,14 @@ void Tuning::run_jobs(std::span<const Job> jobs, const Suite& suite, bool is_lim
 }
 
 bool Tuning::answers(std::size_t space, const Job& place) {
-  const Record* record = record_of({space, plan_.spaces[space].grid.base()}, place);
+  const Record* record = record_of(contender_of({space, plan_.spaces[space].grid.base()}), place);
   return record && tune_answer(*record, plan_.goal).is_there;
 }
 
 /// Leaves out places where nobody has an answer, and then whoever has none at another one.
 void Tuning::drop_unanswered() {
   const auto why = [&](std::size_t space, const Job& place) {
-    const Record* record = record_of({space, plan_.spaces[space].grid.base()}, place);
+    const Record* record = record_of(contender_of({space, plan_.spaces[space].grid.base()}), place);
     if (!record) return std::string("not measured");
     if (record->status == Status::ok) return fmt::format("it has no {} there", plan_.goal.least.name);
     return fmt::format("{}: {}", name(record->status), record->reason);
@@ -131,7 +135,7 @@ void Tuning::hold_out() {
 std::vector<std::optional<TuneAnswer>> Tuning::ask(std::size_t space, std::span<const TuneQuestion> questions) {
   std::vector<Job> jobs, unknown;
   for (const TuneQuestion& question : questions) {
-    jobs.push_back(job_of({space, question.setting}, places_[question.place]));
+    jobs.push_back(job_of(contender_of({space, question.setting}), places_[question.place]));
     if (!records_.contains(jobs.back().hash)) unknown.push_back(jobs.back());
   }
   run_jobs(select_jobs(plan_.run, std::move(unknown)), search_suite_, true);

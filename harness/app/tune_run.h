@@ -49,10 +49,12 @@ class Tuning {
     TuneSetting setting;
     bool operator==(const Entrant&) const = default;
   };
-  Job job_of(const std::string& technique, const std::string& settings, const Job& place);
-  Job job_of(const Entrant& entrant, const Job& place);
-  const Record* record_of(const Entrant& entrant, const Job& place);
-  std::vector<const Record*> records_at(const Entrant& entrant, const std::vector<Job>& places);
+  Contender contender_of(const Entrant& entrant) const;
+  /// The technique's defaults with what is fixed.
+  Contender default_of(std::size_t space) const;
+  Job job_of(const Contender& contender, const Job& place);
+  const Record* record_of(const Contender& contender, const Job& place);
+  std::vector<const Record*> records_at(const Contender& contender, const std::vector<Job>& places);
   std::vector<Job> earlier_jobs();
   void run_jobs(std::span<const Job> jobs, const Suite& suite, bool is_limited);
   void drop_unanswered();
@@ -60,7 +62,7 @@ class Tuning {
   bool answers(std::size_t space, const Job& place);
   std::vector<std::optional<TuneAnswer>> ask(std::size_t space, std::span<const TuneQuestion> questions);
   std::vector<Entrant> entrants();
-  void measure(std::span<const Entrant> entrants, int processes);
+  void measure(std::span<const Contender> contenders, int processes);
   TuneDecision decide_among(std::span<const Entrant> entrants);
   void add_rows(TuneReport& report, std::span<const Entrant> entrants, const TuneDecision& decision);
   void add_scenes_left_out(TuneReport& report);

@@ -19,9 +19,11 @@ class Tune(ProgramTest):
         return self.succeed("tune", *arguments, *QUICK, "--out", out, status=status)
 
     def errors(self, out="out"):
-        """By settings, the error at the worst place and the most bytes."""
+        """By settings of the grid, the error at the worst place and the most bytes."""
         worst = {}
         for row in records(self.dir / out):
+            if "resolution=" not in row["settings"]:
+                continue  # the default
             error, size = worst.get(row["settings"], (0, 0))
             worst[row["settings"]] = max(error, row["metrics"]["shape"]["error"]), max(size, row["bytes"])
         return worst
@@ -34,7 +36,7 @@ class Tune(ProgramTest):
         text = self.tune(*ONE, *MAPS, "--least", "error")
         errors = self.errors()
         self.assertEqual(len(errors), 4)
-        self.assertEqual(len(records(self.dir / "out")), 8)  # each setting at each of two places, once
+        self.assertEqual(len(records(self.dir / "out")), 10)  # each setting at each of two places, once, and the default
         self.assertEqual(self.answer(text), min(errors, key=lambda settings: errors[settings][0]))
         self.assertIn("8 evaluations of 8 possible (100 %), seed 1", text)
         self.assertIn("One scene says nothing of other scenes.", text)
@@ -79,13 +81,13 @@ class Tune(ProgramTest):
         self.refuse("tune", *arguments, *QUICK, "--out", "out", says=["out", "--resume"])
         self.assertEqual(self.answer(self.tune(*arguments, "--resume")), self.answer(whole))
         self.assertEqual((self.dir / "out/records.jsonl").read_text().splitlines(keepends=True)[:3], lines[:3])
-        self.assertEqual(len(records(self.dir / "out")), 8)
+        self.assertEqual(len(records(self.dir / "out")), 10)
         for k in range(2):
             self.assertIn(f"shard {k}/2 has", self.tune(*arguments, "--shard", f"{k}/2", out=f"part{k}"))
         self.succeed("merge", "part0", "part1", "--out", "joined")
         self.assertEqual(len(records(self.dir / "joined")), 8)
         self.assertEqual(self.answer(self.tune(*arguments, "--resume", out="joined")), self.answer(whole))
-        self.assertEqual(len(records(self.dir / "joined")), 8)
+        self.assertEqual(len(records(self.dir / "joined")), 10)
 
     def test_scenes_are_left_out_in_turn(self):
         text = self.tune("--scene", "fence", "--scene", "contact", "--light", "point", *MAPS, "--least", "error")
@@ -124,9 +126,9 @@ class Tune(ProgramTest):
             ([*ONE, *MAPS, "--least", "cost=lihgt", "--error", "1%"], ["lihgt", "light"]),
             ([*ONE, *MAPS, "--error", "1%", "--budget", "soon"], ["--budget soon", "10min"]),
             ([*ONE, *MAPS, "--error", "1%", "--over", "best"], ["worst or mean"]),
-            ([*ONE, "shadow_map:resolution=64", "--error", "1%"], ["one setting", "nothing to choose"]),
-            ([*ONE, "shadow_map:resolutoin=*", "--error", "1%"], ["resolutoin", "resolution"]),
-            ([*ONE, "shadow_map:resolution={1,64}", "--error", "1%"], ["resolution = 1", "64 .. 8192"]),
+            (["shadow_map:resolution=64", *ONE, "--error", "1%"], ["one setting", "nothing to choose"]),
+            (["shadow_map:resolutoin=*", *ONE, "--error", "1%"], ["resolutoin", "resolution"]),
+            (["shadow_map:resolution={1,64}", *ONE, "--error", "1%"], ["resolution = 1", "64 .. 8192"]),
             (["--scene", "fence", "--light", "moon", *MAPS, "--error", "1%"], ["moon", "point"]),
             ([*ONE, *MAPS, "--error", "1%", "--resume"], ["--resume needs --out"]),
         ):
