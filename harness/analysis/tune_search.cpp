@@ -13,15 +13,6 @@ namespace {
 /// Local steps begin at so many of the best settings: one start often ends where no step is better and the best is elsewhere.
 constexpr std::size_t starts = 6;
 
-/// A controller without an effect controls nothing.
-bool has_effect(const std::vector<TuneGrid::Parameter>& parameters, std::size_t at, const TuneSetting& setting) {
-  const TuneGrid::Parameter& parameter = parameters[at];
-  if (!parameter.controller) return true;
-  const std::vector<std::size_t>& levels = parameter.controller_levels;
-  return has_effect(parameters, *parameter.controller, setting) &&
-         std::ranges::find(levels, setting[*parameter.controller]) != levels.end();
-}
-
 /// The levels that one step leads to.
 std::vector<std::size_t> next_levels(const TuneGrid::Parameter& parameter, std::size_t level) {
   std::vector<std::size_t> next;
@@ -221,9 +212,16 @@ TuneSetting TuneGrid::base() const {
   return setting;
 }
 
+bool TuneGrid::has_effect(std::size_t parameter, const TuneSetting& setting) const {
+  const Parameter& one = parameters[parameter];
+  if (!one.controller) return true;
+  const std::vector<std::size_t>& levels = one.controller_levels;
+  return has_effect(*one.controller, setting) && std::ranges::find(levels, setting[*one.controller]) != levels.end();
+}
+
 TuneSetting TuneGrid::canonical(TuneSetting setting) const {
   for (std::size_t k = 0; k < parameters.size(); ++k)  // controllers come first
-    if (!has_effect(parameters, k, setting)) setting[k] = parameters[k].base;
+    if (!has_effect(k, setting)) setting[k] = parameters[k].base;
   return setting;
 }
 
@@ -246,7 +244,7 @@ std::vector<TuneSetting> TuneGrid::all() const {
     std::vector<TuneSetting> longer;
     for (const TuneSetting& begin : settings)
       for (std::size_t level = 0; level < parameters[k].levels; ++level) {
-        if (level != parameters[k].base && !has_effect(parameters, k, begin)) continue;
+        if (level != parameters[k].base && !has_effect(k, begin)) continue;
         longer.push_back(begin);
         longer.back()[k] = level;
       }

@@ -27,6 +27,8 @@ struct TuneGrid {
   std::vector<Parameter> parameters;
 
   TuneSetting base() const;
+  /// A controller without an effect controls nothing.
+  bool has_effect(std::size_t parameter, const TuneSetting& setting) const;
   /// The one form of settings that are the same: parameters without an effect are at their base.
   TuneSetting canonical(TuneSetting setting) const;
   /// How many settings differ, and how many there are when each value of a parameter without an effect counts.

@@ -145,19 +145,28 @@ class Reader {
     return values;
   }
 
+  bool is_fixed(const std::string& name) const {
+    return std::ranges::any_of(fixed_, [&](const std::string& item) { return item.starts_with(name + "="); });
+  }
+
+  bool varies(const Parameter& row) const {
+    const std::string name(row.name());
+    const bool is_named = std::ranges::find(swept_, name, &std::pair<std::string, std::string>::first) != swept_.end();
+    return is_named || (takes_all_ && !is_fixed(name) && is_tuned(row));
+  }
+
   /// Adds the parameter where it varies.
   void add(const Parameter& row) {
     const std::string name(row.name());
     const auto given = std::ranges::find(swept_, name, &std::pair<std::string, std::string>::first);
-    const bool is_fixed = std::ranges::any_of(fixed_, [&](const std::string& item) { return item.starts_with(name + "="); });
-    if (given == swept_.end() && (!takes_all_ || is_fixed)) return;
-    if (given == swept_.end() && !is_tuned(row)) {
-      space_.left_out.push_back(name);
+    if (!varies(row)) {
+      if (takes_all_ && !is_fixed(name)) space_.left_out.push_back(name);
       return;
     }
     TuneSpace::Parameter parameter{
         name, given != swept_.end() && given->second != "*" ? listed(row, given->second) : all_levels(row), row.default_text()};
     if (parameter.values.size() < 2) {  // a list of one value
+      technique_->parameter(name).set(parameter.values.front());
       fixed_.push_back(fmt::format("{}={}", name, parameter.values.front()));
       space_.fixed = joined(fixed_, ",");
       return;
@@ -165,32 +174,28 @@ class Reader {
     TuneGrid::Parameter grid{.levels = parameter.values.size(), .is_ordered = is_number(row)};
     const auto base = std::ranges::find(parameter.values, parameter.base);
     if (base != parameter.values.end()) grid.base = static_cast<std::size_t>(base - parameter.values.begin());
-    if (const auto condition = condition_of(row, *technique_)) put(*condition, parameter, grid);
+    if (const auto condition = condition_of(row, *technique_); condition && !put(*condition, parameter, grid)) {
+      space_.skipped.push_back(fmt::format("{} (for {})", name, parameter.condition));
+      return;
+    }
     space_.parameters.push_back(std::move(parameter));
     space_.grid.parameters.push_back(std::move(grid));
   }
 
-  /// Whose condition is a parameter that varies has it as its controller; where one that does not vary refuses it, the
-  /// parameter stays at its base.
-  void put(const Condition& condition, TuneSpace::Parameter& parameter, TuneGrid::Parameter& grid) {
+  /// Whose condition is a parameter that varies has it as its controller. False where one that does not vary refuses it.
+  bool put(const Condition& condition, TuneSpace::Parameter& parameter, TuneGrid::Parameter& grid) {
     parameter.condition = fmt::format("{}={}", condition.controller, joined(condition.values, ","));
     const auto of = std::ranges::find(space_.parameters, condition.controller, &TuneSpace::Parameter::name);
     if (of == space_.parameters.end()) {
-      const bool is_later =
-          std::ranges::find(swept_, condition.controller, &std::pair<std::string, std::string>::first) != swept_.end();
-      const std::string value = technique_->parameter(condition.controller).text();
-      const bool holds = std::ranges::find(condition.values, value) != condition.values.end();
-      if (!holds && !is_later && grid.levels > 1) {
-        parameter.values = {parameter.values[grid.base]};
-        grid.levels = 1;
-        grid.base = 0;
-      }
-      return;
+      const Parameter& controller = technique_->parameter(condition.controller);
+      const bool holds = std::ranges::find(condition.values, controller.text()) != condition.values.end();
+      return holds || varies(controller);  // one that varies comes later
     }
     grid.controller = static_cast<std::size_t>(of - space_.parameters.begin());
     for (std::size_t level = 0; level < of->values.size(); ++level)
       if (std::ranges::find(condition.values, of->values[level]) != condition.values.end())
         grid.controller_levels.push_back(level);
+    return true;
   }
 
   const std::string& text_;
@@ -255,7 +260,8 @@ std::string TuneSpace::defaults() const { return applied(technique, fixed); }
 std::string TuneSpace::settings(const TuneSetting& setting) const {
   std::string text = fixed;
   for (std::size_t k = 0; k < parameters.size(); ++k)
-    text += fmt::format("{}{}={}", text.empty() ? "" : ",", parameters[k].name, parameters[k].values[setting[k]]);
+    if (grid.has_effect(k, setting))
+      text += fmt::format("{}{}={}", text.empty() ? "" : ",", parameters[k].name, parameters[k].values[setting[k]]);
   return applied(technique, text);
 }
 

@@ -19,8 +19,9 @@ struct TuneSpace {
   std::vector<Parameter> parameters;  ///< as of `grid`
   TuneGrid grid;
   std::vector<std::string> left_out;  ///< of ID:*: parameters that are no matter of tuning
+  std::vector<std::string> skipped;   ///< "slope_bias (for bias=slope)": without an effect in every setting
 
-  /// "a=1,b=2" of what differs from the technique's defaults.
+  /// "a=1,b=2" of what differs from the technique's defaults and has an effect.
   std::string settings(const TuneSetting& setting) const;
   /// The same of the technique's defaults with what is fixed: they need not be in the grid.
   std::string defaults() const;

@@ -64,7 +64,8 @@ TuneDecision Tuning::decide_among(std::span<const Entrant> entrants) {
     TuneFinalist& finalist = finalists.emplace_back();
     const TuneSpace& space = plan_.spaces[entrant.space];
     for (std::size_t k = 0; k < space.parameters.size(); ++k)
-      finalist.changes += space.parameters[k].values[entrant.setting[k]] != space.parameters[k].base;
+      finalist.changes += space.grid.has_effect(k, entrant.setting) &&
+                          space.parameters[k].values[entrant.setting[k]] != space.parameters[k].base;
     for (const Record* record : records_at(contender_of(entrant), places_)) {
       finalist.answers.push_back(record ? tune_answer(*record, plan_.goal) : TuneAnswer{.is_there = false});
       if (!record || !finalist.answers.back().is_there) continue;
@@ -159,10 +160,11 @@ void Tuning::add_notes(TuneReport& report) {
     const TuneSpace& space = plan_.spaces[number];
     if (!space.left_out.empty())
       report.notes.push_back(fmt::format("{}: not tuned: {}", space.technique, joined(space.left_out, ", ")));
+    std::vector<std::string> skipped = space.skipped;
     for (const TuneSpace::Parameter& parameter : space.parameters)
-      if (!parameter.condition.empty())
-        report.notes.push_back(fmt::format("{}: {} is skipped where it has no effect: it is for {}", space.technique,
-                                           parameter.name, parameter.condition));
+      if (!parameter.condition.empty()) skipped.push_back(fmt::format("{} (for {})", parameter.name, parameter.condition));
+    if (!skipped.empty())
+      report.notes.push_back(fmt::format("{}: skipped where it has no effect: {}", space.technique, joined(skipped, ", ")));
   }
   for (const Status status : {Status::unsupported, Status::failed}) {
     std::size_t count = 0;
