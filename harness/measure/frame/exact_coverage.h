@@ -2,7 +2,6 @@
 #include <gnomon/gbuffer.h>
 #include <gnomon/kit/geometry/camera.h>
 
-#include <optional>
 #include <vector>
 
 namespace gnomon {
