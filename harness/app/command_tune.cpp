@@ -1,5 +1,6 @@
 // gnomon tune: the setting of a technique that costs least, or errs least, within limits.
 #include "app/app.h"
+#include "app/table_options.h"
 #include "app/tune_run.h"
 #include "measure/notice.h"
 #include "measure/run/estimate.h"
@@ -19,6 +20,7 @@ struct TuneOptions {
   int processes = 0, seed = 1, threads = 0;
   std::optional<double> timeout;
   RunOptions run;
+  TableWidth width;
   bool dry_run = false, quiet = false;
 };
 
@@ -90,7 +92,7 @@ TunePlan plan_of(TuneOptions& options, const Command& command, const Program& pr
 }
 
 /// The levels of every parameter, how many evaluations there are and about how long they take.
-void print_plan(const TunePlan& plan, Tuning& tuning) {
+void print_plan(const TunePlan& plan, Tuning& tuning, std::size_t width) {
   for (const TuneSpace& space : plan.spaces) {
     const double count = space.grid.count(), raw_count = space.grid.raw_count();
     fmt::print(
@@ -100,7 +102,7 @@ void print_plan(const TunePlan& plan, Tuning& tuning) {
     for (const TuneSpace::Parameter& parameter : space.parameters)
       table.add_row({parameter.name, joined(parameter.values, ", "),
                      parameter.condition.empty() ? "always" : "for " + parameter.condition});
-    fmt::print("{}\n", table.text(terminal_width()));
+    fmt::print("{}\n", table.text(width));
   }
   const double possible = tuning.possible();
   const double asked = tuning.is_whole() ? possible : std::min(most_evaluations, possible / 5);
@@ -140,7 +142,7 @@ int tune(TuneOptions& options, const Command& command, const Program& program) {
   const fs::path out = plan.run.out;
   Tuning tuning(plan, library);
   if (options.dry_run) {
-    print_plan(plan, tuning);
+    print_plan(plan, tuning, options.width.columns());
     return 0;
   }
   tuning.search();
@@ -155,7 +157,7 @@ int tune(TuneOptions& options, const Command& command, const Program& program) {
   const std::vector<Record> records = read_records(out);
   write_tables(out, records);
   write_file(out / "tune.txt", tune_text(report, 0));
-  fmt::print("{}\n", tune_text(report, terminal_width()));
+  fmt::print("{}\n", tune_text(report, options.width.columns()));
   fmt::print("{}  this text; the folder is that of a run: gnomon report {}\n", (out / "tune.txt").string(), out.string());
   draw_parameters_of(report, records, out);
   return report.is_feasible ? 0 : 1;
@@ -201,6 +203,7 @@ void add_tune(Program& program) {
   command.flag("--rebuilt", &options.run.rebuilt, "With --resume: rows that other code measured are run again", resume);
   command.flag("--dry-run", &options.dry_run, "Print the levels and how many evaluations there are; run nothing");
   command.flag("--quiet", &options.quiet, "No progress");
+  add_width_options(command, options.width);
 }
 
 }  // namespace gnomon::app
