@@ -183,7 +183,7 @@ void ParaboloidMap::look_up(const Program& program, unsigned target) const {
   program.set("map_light", glm::vec3(place_));
   program.set("axes", glm::mat3(axes()));
   program.set("image", glm::vec3(texels_a_unit(), 0.5 * resolution, nearest_));
-  program.set_if_used("biases", glm::vec2(depth_bias, slope_bias * std::numbers::sqrt2 / 2));
+  program.set_if_used("biases", glm::vec2(depth_bias.value(), slope_bias * std::numbers::sqrt2 / 2));
   glBindTextureUnit(3, distances_.name());
   draw_mask(program, made_->framebuffer, target, gbuffer_textures(*gbuffer_, *made_->scene));
 }
@@ -204,8 +204,8 @@ std::optional<Explanation> ParaboloidMap::explain(std::size_t index) const {
   Explanation why;
   if (!faces_light(*made_->scene, *gbuffer_, light_, index)) return why;
   const glm::vec4 texel = found()[index];
-  const glm::dvec3 v = gbuffer_->position(index) - place_, q = glm::transpose(axes()) * v;
-  const double r = glm::length(v), facing = -glm::dot(gbuffer_->normal(index), v) / r;
+  const glm::dvec3 v = glm::dvec3(gbuffer_->position(index)) - place_, q = glm::transpose(axes()) * v;
+  const double r = glm::length(v), facing = -glm::dot(glm::dvec3(gbuffer_->normal(index)), v) / r;
   const glm::dvec2 p = glm::dvec2(q) / (r + std::abs(q.z));
   why.texel_width = 2 * r / ((1 + glm::dot(p, p)) * texels_a_unit());
   why.bias = why.texel_width *

@@ -1,4 +1,5 @@
 // gnomon table and report: a run as a table and as a page.
+#include "analysis/analysis.h"
 #include "app/app.h"
 #include "app/table_options.h"
 #include "measure/notice.h"

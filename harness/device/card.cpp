@@ -10,7 +10,7 @@ namespace gnomon {
 namespace {
 
 // What is used of NVIDIA's nvml.h: all functions return 0 on success, clocks are MHz, power is milliwatts.
-using Device = void*;
+using Handle = void*;
 constexpr int graphics_clock = 0, memory_clock = 2, gpu_temperature = 0;
 
 struct Closer {
@@ -50,7 +50,7 @@ std::optional<CardState> card_state(std::string_view renderer, const char* file)
   unsigned count = 0;
   if (!library.call("nvmlDeviceGetCount_v2", &count)) count = 0;
   for (unsigned k = 0; k < count && !state; ++k) {
-    Device card = nullptr;
+    Handle card = nullptr;
     if (!library.call("nvmlDeviceGetHandleByIndex_v2", k, &card)) continue;
     const std::string name = library.text("nvmlDeviceGetName", card);
     if (name.empty() || renderer.find(name) == renderer.npos) continue;

@@ -12,40 +12,6 @@ namespace {
 constexpr double most_texts = 100'000;  // of one text with braces
 constexpr std::size_t most_characters = 2'000;
 
-/// `a{b,c}d` gives `abd` and `acd`; two braces give their product. Throws Error on a brace without its partner.
-std::vector<std::string> expand_braces(const std::string& text) {
-  double count = 1, in_brace = 1;
-  for (const char c : text) {
-    if (c == '{') in_brace = 1;
-    if (c == ',') ++in_brace;
-    if (c == '}') count *= in_brace;
-  }
-  if (count > most_texts) throw Error("'{}' stands for {:.0f} settings; at most {:.0f} are made", text, count, most_texts);
-  if (text.size() > most_characters)
-    throw Error("'{}' has {} characters; at most {} are taken", text, text.size(), most_characters);
-  std::vector<std::string> out = {""};
-  const auto multiply = [&](std::string_view items) {
-    std::vector<std::string> product;
-    for (const std::string& begin : out)
-      for (std::size_t at = 0, end = 0; end != items.npos; at = end + 1) {
-        end = items.find(',', at);
-        product.emplace_back(begin).append(items.substr(at, end - at));
-      }
-    out = std::move(product);
-  };
-  for (std::size_t at = 0, open = 0; open != text.npos;) {
-    open = text.find_first_of("{}", at);
-    for (std::string& one : out) one.append(text, at, open - at);
-    if (open == text.npos) break;
-    if (text[open] == '}') throw Error("'{}' closes a brace that it does not open", text);
-    const std::size_t close = text.find_first_of("{}", open + 1);
-    if (close == text.npos || text[close] == '{') throw Error("'{}' opens a brace that it does not close", text);
-    multiply(std::string_view(text).substr(open + 1, close - open - 1));
-    at = close + 1;
-  }
-  return out;
-}
-
 /// Labels those rows of a sweep whose `name()` leaves out a swept parameter, because its value is the default:
 /// "shadow_map:resolution=1024" beside "shadow_map:resolution=256". They are the same jobs as without the label. A sweep has up
 /// to 100,000 rows: of each it keeps the values, not the technique.
@@ -122,6 +88,39 @@ std::vector<std::string> techniques_in(const std::string& text) {
 }
 
 }  // namespace
+
+std::vector<std::string> expand_braces(const std::string& text) {
+  double count = 1, in_brace = 1;
+  for (const char c : text) {
+    if (c == '{') in_brace = 1;
+    if (c == ',') ++in_brace;
+    if (c == '}') count *= in_brace;
+  }
+  if (count > most_texts) throw Error("'{}' stands for {:.0f} settings; at most {:.0f} are made", text, count, most_texts);
+  if (text.size() > most_characters)
+    throw Error("'{}' has {} characters; at most {} are taken", text, text.size(), most_characters);
+  std::vector<std::string> out = {""};
+  const auto multiply = [&](std::string_view items) {
+    std::vector<std::string> product;
+    for (const std::string& begin : out)
+      for (std::size_t at = 0, end = 0; end != items.npos; at = end + 1) {
+        end = items.find(',', at);
+        product.emplace_back(begin).append(items.substr(at, end - at));
+      }
+    out = std::move(product);
+  };
+  for (std::size_t at = 0, open = 0; open != text.npos;) {
+    open = text.find_first_of("{}", at);
+    for (std::string& one : out) one.append(text, at, open - at);
+    if (open == text.npos) break;
+    if (text[open] == '}') throw Error("'{}' closes a brace that it does not open", text);
+    const std::size_t close = text.find_first_of("{}", open + 1);
+    if (close == text.npos || text[close] == '{') throw Error("'{}' opens a brace that it does not close", text);
+    multiply(std::string_view(text).substr(open + 1, close - open - 1));
+    at = close + 1;
+  }
+  return out;
+}
 
 std::vector<Contender> parse_contenders(const std::string& text, const std::string& label) {
   if (text == "*") {

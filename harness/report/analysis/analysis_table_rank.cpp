@@ -62,7 +62,7 @@ Cells rank_cells(const Ranking& ranking, const RankedPair& pair, const std::stri
           text_cell(ratio ? interval_text(digits, *ratio) : "-"),
           end_cell(&ValueWithInterval::low),
           end_cell(&ValueWithInterval::high),
-          {.value = pair.p},
+          Cell{.value = pair.p},
           chance_cell(pair.family_rate),
           whole_cell(pair.places),
           whole_cell(pair.scenes),

@@ -84,7 +84,7 @@ TEST_F(ParaboloidMap, rays_of_texels_pass_their_points) {
       if (!faces_light(scene, g, light, i)) continue;
       const auto why = map.technique->explain(i);
       ASSERT_EQ(why->taps.size(), 1u);
-      const glm::dvec3 v = g.position(i) - why->taps[0].origin;
+      const glm::dvec3 v = glm::dvec3(g.position(i)) - why->taps[0].origin;
       EXPECT_NEAR(glm::length(why->taps[0].direction), 1, 1e-6);
       EXPECT_LE(glm::length(glm::cross(why->taps[0].direction, v)), why->texel_width * std::sqrt(0.5) * 1.01)
           << axis << ' ' << i;
@@ -105,7 +105,7 @@ TEST_F(ParaboloidMap, masks_are_what_their_taps_say) {
   for (std::size_t i = 0; i < g.size(); ++i) {
     if (!faces_light(scene, g, light, i)) continue;
     const auto why = map.technique->explain(i);
-    const bool says = why->taps[0].stored < glm::length(g.position(i) - why->taps[0].origin) - why->bias;
+    const bool says = why->taps[0].stored < glm::length(glm::dvec3(g.position(i)) - why->taps[0].origin) - why->bias;
     dark += says;
     other += says != (map.mask[i] == 0);
   }

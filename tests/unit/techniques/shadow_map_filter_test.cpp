@@ -138,7 +138,7 @@ TEST_F(ShadowMapFilter, masks_are_the_sums_of_their_taps) {
       if (why->taps.empty()) continue;  // nothing casts there
       double lit = 0;
       for (const Tap& tap : why->taps)
-        lit += tap.stored < glm::dot(g.position(i) - tap.origin, tap.direction) - why->bias ? 0 : tap.weight;
+        lit += tap.stored < glm::dot(glm::dvec3(g.position(i)) - tap.origin, tap.direction) - why->bias ? 0 : tap.weight;
       partly += run_of.mask[i] > 0 && run_of.mask[i] < 1;
       other += std::abs(run_of.mask[i] - lit) > 1e-4;
     }
