@@ -20,7 +20,7 @@ using namespace gnomon;
 constexpr OwnCause causes[] = {
     {"projection_curve",
      "The image shows another surface than the ray of the texel meets: edges that should be curves were drawn straight.",
-     {0, 150, 168}},
+     {24, 176, 200}},
 };
 
 constexpr About about{
