@@ -62,7 +62,8 @@ TuneGoal goal_of(const TuneOptions& options, const Command& command) {
     for (TuneLimit& limit : tune_limits(text)) goal.each.push_back(std::move(limit));
   if (goal.each.empty() && !command.is_given("--least"))
     throw Error(
-        "tune needs a limit, or the cheapest setting is the one that errs most: --error 1%, --each 'error<=1%', or --least error");
+        "tune needs a limit, or the cheapest setting is the one that errs most: --error 1%, --each 'error<=1%', or --least "
+        "error");
   goal.over = options.over == "mean" ? TuneOver::mean : TuneOver::worst;
   return goal;
 }

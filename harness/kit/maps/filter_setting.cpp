@@ -10,8 +10,8 @@ FilterSetting::FilterSetting(Parametrized* owner)
              "weights that move with the point, of 4 a side with those of a cubic spline, or of filter_taps on a spiral that "
              "noise turns in each pixel."),
       filter_radius(owner, "filter_radius", 1, {.unit = "texel", .min = 1, .max = 8}, Stage::relight,
-                    "Half the side of the square beside its middle texel, less half a texel the disc's radius; for filter=pcf, "
-                    "disc, rotated and, up to 3, optimized."),
+                    "Half the side of the square beside its middle texel, less half a texel the disc's radius, at most 3 of "
+                    "optimized; for filter=pcf, disc, optimized and rotated."),
       filter_taps(owner, "filter_taps", 8, {.min = 1, .max = MapFilter::most_taps, .log = true}, Stage::resolve,
                   "Comparisons on the spiral, in each frame; for filter=rotated."),
       noise_frame(owner, "noise_frame", 0, {.min = 0, .max = 63}, Stage::resolve,

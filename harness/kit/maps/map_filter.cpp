@@ -238,7 +238,7 @@ float compared(ComparedPoint point) {
 #endif
   for (int y = 0; y < 2 * radius + 2 && !is_done; ++y)
     for (int x = 0; x < 2 * radius + 2; ++x) {
-      float weight = weight_along(x, share.x) * weight_along(y, share.y);
+      precise float weight = weight_along(x, share.x) * weight_along(y, share.y);  // one number in both sums
       lit += weight * lit_at(point, corner + vec2(x - radius, y - radius)), sum += weight;
     }
 #else
@@ -256,7 +256,7 @@ float compared(ComparedPoint point) {
 #ifdef BAILS_EARLY
   if (is_decided_early) lit = five, sum = 5;
 #endif
-  lit = min(lit / sum, 1);  // x / x may be above 1: division is right to 2.5 units in the last place
+  lit = lit < sum ? min(lit / sum, 1) : 1;  // x / x may be another number: division is right to 2.5 units in the last place
 #endif
   return point.is_compared ? lit : 1;
 }

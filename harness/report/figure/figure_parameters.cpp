@@ -50,11 +50,12 @@ struct ParameterPanel {
   std::string title;
   std::vector<std::string> values;
   PlotCommand plot;
+  Extent best;  ///< of the best settings of its values
 };
 
 ParameterPanel panel_of(const std::vector<DrawnSetting>& settings, const std::string& title, const std::string& parameter,
                         const std::string& direction, FigureScript& script) {
-  ParameterPanel panel{title, values_of(settings, parameter), {}};
+  ParameterPanel panel{title, values_of(settings, parameter), {}, {}};
   std::vector<std::string> points, line;
   for (std::size_t at = 0; at < panel.values.size(); ++at) {
     std::optional<double> best;
@@ -63,6 +64,7 @@ ParameterPanel panel_of(const std::vector<DrawnSetting>& settings, const std::st
       points.push_back(fmt::format("{}\t{}", at, setting.value));
       if (!best || is_better(direction, setting.value, *best)) best = setting.value;
     }
+    panel.best.add(*best);
     line.push_back(fmt::format("{}\t{}", at, *best));
   }
   panel.plot.add("{} using 1:2 with points pt 7 ps 0.35 lc rgb '#b0b0b0' notitle", script.data(points));
@@ -74,7 +76,7 @@ ParameterPanel panel_of(const std::vector<DrawnSetting>& settings, const std::st
 std::string named_tics(const std::vector<std::string>& values) {
   std::vector<std::string> all;
   for (std::size_t k = 0; k < values.size(); ++k) all.push_back(fmt::format("{} {}", FigureScript::quoted_tic(values[k]), k));
-  return fmt::format("({}){}", joined(all, ", "), values.size() > 4 ? " rotate by -45" : "");
+  return fmt::format("{} ({})", values.size() > 4 ? "rotate by -45" : "norotate", joined(all, ", "));
 }
 
 }  // namespace
@@ -101,7 +103,8 @@ void draw_parameters(std::span<const Record> records, FigureScript& script) {
     throw Error(
         "there is nothing to draw: no parameter has two values among the settings that were measured at every place; {}",
         how_to_sweep("PARAMETER"));
-  require_panels(panels.size(), "parameters");
+  const auto did = [](const ParameterPanel& panel) { return panel.best.greatest - panel.best.least; };
+  while (panels.size() > most_panels) panels.erase(std::ranges::min_element(panels, {}, did));
   script.legend.push_back({fmt::format("with linespoints pt {} ps 0.8 lw 1.4 lc rgb '{}'", series_mark(0), series_color(0)),
                            "best setting with this value"});
   script.legend.push_back({"with points pt 7 ps 0.35 lc rgb '#b0b0b0'", "every setting"});

@@ -58,10 +58,14 @@ TEST_F(ShadowMapBits, receiver_planes_leave_no_acne_with_any_bits) {
       for (const std::string bits : {"16", "24", "32"}) {
         const auto map = run("resolution=512,bias=receiver_plane,depth_bias=0,depth_bits=" + bits, scene, light, g);
         int acne = 0;
-        for (std::size_t i = 0; i < g.size(); ++i)
-          acne += map.mask[i] == 0 && faces_light(scene, g, light, i) &&
-                  small_world::caster_distance(scene, light, g.position(i)) == INFINITY && g.normal(i).y > 0.99 &&
-                  glm::length(glm::dvec2(g.position(i).x, g.position(i).z)) > 1.5;
+        for (std::size_t i = 0; i < g.size(); ++i) {
+          const bool is_aside = glm::length(glm::dvec2(g.position(i).x, g.position(i).z)) > 1.5;
+          if (map.mask[i] != 0 || !faces_light(scene, g, light, i) || g.normal(i).y < 0.99 || !is_aside) continue;
+          const auto why = map.technique->explain(i);  // dark by itself, not by the tower's edge
+          acne += std::ranges::any_of(why->taps, [&](const Tap& tap) {
+            return tap.stored > glm::distance(glm::dvec3(g.position(i)), tap.origin) - 0.5;
+          });
+        }
         EXPECT_EQ(acne, 0) << light.name << ' ' << height << ' ' << bits;
       }
   }
