@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "analysis/missing_places.h"
+#include "measure/counted.h"
 
 namespace gnomon {
 
@@ -123,7 +124,7 @@ Field overall(std::span<const Record> records, RowsBySetting settings, const Fie
     for (const auto& [place, row] : rows) add_once(all, place);
   field.places = common.size();
   field.all_places = all.size();
-  for (std::string& line : missing_places(records, settings, all, fmt::format("not among the {} places", common.size())))
+  for (std::string& line : missing_places(records, settings, all, "not among the " + counted(common.size(), "place{s}")))
     field.notes.push_back(std::move(line));
   for (const auto& [key, rows] : settings) {
     std::vector<const Record*> compared;

@@ -126,7 +126,7 @@ constexpr MetricInfo metric_rows[] = {
     {"coverage_error_mean_floor", "", "", coverage_floor_sentence, coverage_error_floor<1>},
     {"coverage_error_rms_floor", "", "", coverage_floor_sentence, coverage_error_floor<2>},
     {"coverage_constant_error", "", "",
-     "coverage_error_mean of the best mask of one value everywhere. A row that does not beat it is never called best by "
+     "The coverage_error_mean of the best mask of one value everywhere. A row that does not beat it is never called best by "
      "coverage_error_mean or coverage_error_rms.",
      coverage_constant_error},
     {"wrong_rate", "", "lower",

@@ -59,16 +59,16 @@ TEST(tune_space, a_parameter_counts_where_its_sentence_says_so) {
   const TuneSpace space = tune_space("shadow_map");
   EXPECT_EQ(parameter(space, "slope_bias").condition, "bias=slope");
   EXPECT_EQ(parameter(space, "normal_offset").condition, "bias=normal_offset");
-  EXPECT_EQ(parameter(space, "filter_radius").condition, "filter=pcf,disc");
+  EXPECT_EQ(parameter(space, "filter_radius").condition, "filter=pcf,disc,optimized,rotated");
   EXPECT_EQ(parameter(space, "dual_offset").condition, "stored=dual");
   EXPECT_EQ(parameter(space, "resolution").condition, "");
   const TuneGrid::Parameter& slope = space.grid.parameters[index(space, "slope_bias")];
   EXPECT_EQ(slope.controller, index(space, "bias"));
   EXPECT_EQ(slope.controller_levels, std::vector<std::size_t>{1});  // constant, slope, ...
   EXPECT_LT(space.grid.count(), space.grid.raw_count());
-  // Of four ways one takes slope_bias and one normal_offset.
+  // Of twelve ways one takes slope_bias and one normal_offset.
   const TuneSpace bias = tune_space("shadow_map:bias=*,slope_bias={1,2},normal_offset={1,2,3}");
-  EXPECT_EQ(bias.grid.count(), 1 + 2 + 3 + 1);
+  EXPECT_EQ(bias.grid.count(), 1 + 2 + 3 + 9);
   // Where what it is for is fixed elsewhere, it does not vary.
   EXPECT_EQ(tune_space("shadow_map:bias=constant,slope_bias=*,filter={nearest,bilinear}").grid.count(), 2);
 }

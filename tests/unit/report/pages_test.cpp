@@ -65,7 +65,7 @@ TEST(pages, page_of_a_technique_that_makes_polygons_says_how_to_write_them) {
 TEST(pages, index_links_every_technique) {
   const std::vector<TechniqueEntry> entries{blur("a"), blur("b")};
   const std::string index = technique_index(entries);
-  EXPECT_TRUE(has(index, "| [a](a.md) | Blur | contender | sampled | mesh | no | Blurs all. |")) << index;
+  EXPECT_TRUE(has(index, "| [a](a.md) | Blur | contender | sampled | mesh | processor | Blurs all. |")) << index;
   EXPECT_TRUE(has(index, "| [b](b.md) |"));
 }
 

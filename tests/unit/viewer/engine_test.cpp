@@ -115,7 +115,7 @@ TEST(viewer_engine, measures_error_against_samples_beside_the_side) {
 }
 
 // A technique that remembers frames tells the parts of its error where it was asked for them in each frame before. Nobody asks
-// while the picture moves on, so that they are known of the first frame of a sequence, which another size begins.
+// while the light moves on; the first frame of a sequence, which another size begins, has none before it.
 TEST(viewer_engine, says_where_the_parts_of_an_error_are_not_known) {
   TestRig rig;
   rig.open("box_city:count=12");
@@ -129,7 +129,12 @@ TEST(viewer_engine, says_where_the_parts_of_an_error_are_not_known) {
     return state.sides[0].verdict->lacks_parts;
   };
   EXPECT_FALSE(lacks_parts());
-  std::get<SphereLight>(rig.selection.light.kind).center.x = 3;
+  auto answers = rig.finish().sides[0].answer_count;
+  for (int k = 0; k < 3; ++k) {
+    std::get<SphereLight>(rig.selection.light.kind).center.x -= 0.25f;
+    rig.engine().select(rig.selection);
+    answers = rig.until([&](const EngineState& s) { return s.sides[0].answer_count > answers; }).sides[0].answer_count;
+  }
   EXPECT_TRUE(lacks_parts());
   rig.selection.width = 96;
   EXPECT_FALSE(lacks_parts());
