@@ -62,7 +62,8 @@ class ParaboloidMap final : public Technique {
  public:
   Support supports(const Scene&, const Light& light, const View&) const override {
     if (!std::holds_alternative<PointLight>(light.kind))
-      return Support::unsupported("two paraboloids see all around a point light, and this is another kind of light");
+      return Support::unsupported(
+          fmt::format("a {} light does not shine all around a place, as two paraboloids see it", kind_name(light)));
     return within_limits({.varying_components = 4 * 12, .texture_size = resolution, .texture_layers = 2});
   }
   void setup() override {

@@ -118,7 +118,7 @@ TEST_F(ParaboloidMap, other_lights_are_refused) {
   gnomon_technique_paraboloid_map(registry);
   const auto technique = registry.techniques()[0].make();
   EXPECT_EQ(technique->supports({}, {.kind = DirectionalLight{{0, -1, 0}}}, {}).why(),
-            "two paraboloids see all around a point light, and this is another kind of light");
+            "a directional light does not shine all around a place, as two paraboloids see it");
   EXPECT_TRUE(technique->supports({}, {.kind = PointLight{}}, {}));
 }
 
