@@ -86,7 +86,7 @@ class Fit(ProgramTest):
     def test_analyses_fit(self):
         for run, *kinds in ((self.small, "front --all", "best", "map", "growth --x resolution", "growth --x resolution --error error",
                              "sweep --x resolution"),
-                            (RESULTS / "quick", "front", "best"), (RESULTS / "bias_map", "map"),
+                            (RESULTS / "quick", "front", "best"),
                             (RESULTS / "animation", "motion", "front --cost motion")):
             for kind in kinds:
                 with self.subTest(f"{run.name} {kind}"):
