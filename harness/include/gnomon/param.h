@@ -198,8 +198,7 @@ class ObjectParameter : public Parameter {
 /// The row itself; of a row behind an ObjectParameter the one of its own object, which is a Number or a Choice.
 const Parameter& typed(const Parameter& row);
 
-/// The candidates with the smallest edit distances to `word`, the nearest first and at most so many; those that are as near keep
-/// their order.
+/// The candidates with the smallest edit distances to `word`, at most so many: the nearest first, then the earlier.
 std::vector<std::string> nearest_words(std::string_view word, std::span<const std::string> candidates, std::size_t most);
 
 /// The candidate with the smallest edit distance to `word`; empty when there is no candidate.
