@@ -36,8 +36,10 @@ const Entry& default_of(const std::vector<Entry>& entries, std::string_view what
 
 std::string_view name(Device device) {
   switch (device) {
-    case Device::processor: return "processor";
-    case Device::opengl: return "opengl";
+    case Device::processor:
+      return "processor";
+    case Device::opengl:
+      return "opengl";
   }
   return "";
 }

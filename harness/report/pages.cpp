@@ -149,9 +149,9 @@ std::string technique_index(std::span<const TechniqueEntry> entries) {
   page += "| id | title | role | promise | sees | device | summary |\n| --- | --- | --- | --- | --- | --- | --- |\n";
   for (const TechniqueEntry& entry : entries) {
     const About& about = entry.about;
-    page += fmt::format("| [{0}]({0}.md) | {1} | {2} | {3} | {4} | {5} | {6} |\n", entry.id, markdown_text(about.title),
-                        name(about.role), name(about.promise), name(about.sees), name(about.device),
-                        markdown_text(about.summary));
+    page +=
+        fmt::format("| [{0}]({0}.md) | {1} | {2} | {3} | {4} | {5} | {6} |\n", entry.id, markdown_text(about.title),
+                    name(about.role), name(about.promise), name(about.sees), name(about.device), markdown_text(about.summary));
   }
   return page;
 }

@@ -15,7 +15,8 @@ int texel_bytes(GLenum format) {
   const auto is_in = [&](std::initializer_list<GLenum> formats) { return std::ranges::find(formats, format) != formats.end(); };
   if (is_in({GL_R8, GL_R8UI})) return 1;
   if (is_in({GL_R16, GL_R16F, GL_DEPTH_COMPONENT16})) return 2;
-  if (is_in({GL_RG16, GL_RG16F, GL_R32F, GL_R32UI, GL_R32I, GL_DEPTH_COMPONENT24, GL_DEPTH_COMPONENT32F, GL_DEPTH24_STENCIL8})) return 4;
+  if (is_in({GL_RG16, GL_RG16F, GL_R32F, GL_R32UI, GL_R32I, GL_DEPTH_COMPONENT24, GL_DEPTH_COMPONENT32F, GL_DEPTH24_STENCIL8}))
+    return 4;
   if (is_in({GL_RGBA16, GL_RGBA16F, GL_RG32F, GL_RG32UI, GL_DEPTH32F_STENCIL8})) return 8;
   if (is_in({GL_RGBA32F, GL_RGBA32UI})) return 16;
   throw Error("Texture of format {:#x}: its size is not known", format);

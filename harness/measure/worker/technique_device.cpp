@@ -14,8 +14,10 @@ void TechniqueDevice::fill(VisibilityMask& mask, float value) { std::ranges::fil
 
 std::unique_ptr<TechniqueDevice> device_of(const About& about) {
   switch (about.device) {
-    case Device::processor: return std::make_unique<TechniqueDevice>();
-    case Device::opengl: return std::make_unique<OpenGlDevice>();
+    case Device::processor:
+      return std::make_unique<TechniqueDevice>();
+    case Device::opengl:
+      return std::make_unique<OpenGlDevice>();
   }
   throw Error("there is no device {}", static_cast<int>(about.device));
 }

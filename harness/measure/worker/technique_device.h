@@ -48,8 +48,7 @@ class TechniqueDevice {
   /// Lets go of these scenes and of all that is of the frame.
   virtual void forget([[maybe_unused]] const Scenes& scenes) {}
   /// What was uploaded; nothing where the processor alone works.
-  virtual std::optional<GlInputs> inputs([[maybe_unused]] const Scenes& scenes,
-                                         [[maybe_unused]] const GBuffer& gbuffer) const {
+  virtual std::optional<GlInputs> inputs([[maybe_unused]] const Scenes& scenes, [[maybe_unused]] const GBuffer& gbuffer) const {
     return {};
   }
 

@@ -2,8 +2,8 @@
 
 #include <gnomon/kit/progress.h>
 
-#include "measure/program/elsewhere.h"
 #include "device/stopwatch.h"
+#include "measure/program/elsewhere.h"
 #include "measure/progress.h"
 #include "measure/worker/counted_stage.h"
 

@@ -76,14 +76,14 @@ class TechniqueFrame {
   std::string settings_;
   std::optional<LightObjects> objects_;
   std::unique_ptr<TechniqueDevice> device_ = std::make_unique<TechniqueDevice>();  ///< that draws
-  std::optional<SharedCount> progress_;         ///< of the stage under way
+  std::optional<SharedCount> progress_;                                            ///< of the stage under way
   std::string lit_by_;                          ///< of the lights that the technique was given last
   std::unique_ptr<std::vector<Light>> lights_;  ///< those lights
   std::deque<VisibilityMask> masks_;            ///< of each
   std::vector<std::size_t> lit_;                ///< the light of each object
   std::map<std::string, GBuffer> gbuffers_;     ///< by file: one for each view and truth
   GBuffer gbuffer_;
-  int fresh_ = -1;                          ///< last stage that is up to date
+  int fresh_ = -1;  ///< last stage that is up to date
 };
 
 }  // namespace gnomon
