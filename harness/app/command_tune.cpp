@@ -69,7 +69,10 @@ TuneGoal goal_of(const TuneOptions& options, const Command& command) {
 }
 
 TunePlan plan_of(TuneOptions& options, const Command& command, const Program& program) {
-  TunePlan plan{.spaces = spaces_of(options), .goal = goal_of(options, command), .run = options.run};
+  TunePlan plan;
+  plan.spaces = spaces_of(options);
+  plan.goal = goal_of(options, command);
+  plan.run = options.run;
   if (options.scenes.empty()) throw Error("tune needs a scene: --scene bunny, or --scene FILE");
   plan.seed = static_cast<std::uint64_t>(options.seed);
   if (!options.budget.empty()) plan.budget = duration_from(options.budget);

@@ -142,7 +142,7 @@ std::vector<WeightedTexel> MapFilter::texels(const glm::dvec2& place, const glm:
 // --- The same in the shader ------------------------------------------------------------------------------------------------
 
 std::string filter_head(const MapFilter& filter) {
-  return fmt::format("#define FILTER {}\n{}", static_cast<int>(filter.kind),
+  return fmt::format("#define FILTER {}\n#define MOST_TAPS {}\n{}", static_cast<int>(filter.kind), MapFilter::most_taps,
                      filter.bails_early && filter.has_loop() ? "#define BAILS_EARLY\n" : "");
 }
 
@@ -176,7 +176,7 @@ uniform int first_step;
 #if FILTER == 4
 uniform vec4 kernel;
 #elif FILTER == 6
-uniform vec4 spiral[64];
+uniform vec4 spiral[MOST_TAPS];
 uniform int spiral_taps, noise_begin, noise_end;
 #endif
 

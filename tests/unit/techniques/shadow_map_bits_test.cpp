@@ -45,7 +45,9 @@ TEST_F(ShadowMapBits, stored_depths_are_rounded_to_half_a_step) {
       most = std::max(most, std::abs(a->taps[0].stored - b->taps[0].stored));
     }
     EXPECT_LE(most, 0.5 * 1001 * step * 1.01 + 2e-4) << bits;
-    if (std::string(bits) == "16") EXPECT_GT(most, 0.25 * 1001 * step);
+    if (std::string(bits) == "16") {
+      EXPECT_GT(most, 0.25 * 1001 * step);
+    }
   }
 }
 
