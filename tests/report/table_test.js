@@ -88,6 +88,7 @@ test("filters by words and by lists, and the plots follow", async () => {
   assert.equal((await shownRows(page)).length, matching.length);
   await page.locator("button", { hasText: "Reset" }).click();
   await page.locator(".filters select[name=technique]").selectOption("shadow_map");
+  await page.locator(".card.cost").scrollIntoViewIfNeeded();  // a plot out of sight is drawn when it is seen
   await settled(page);
   assert.ok((await bars.count()) < before, "the cost plot shows fewer bars");
 
