@@ -95,7 +95,7 @@ class Motion(ProgramTest):
                 ("camera", [[-1, 4, 0], [1, 4, 0]], ["up = (0, 1, 0) lies along the line of sight", "frame 2"]),
                 ("light", [[0, -1, 0], [0, 3, 0]], ["light 'sun': direction = (0, 0, 0) is not a direction", "path way, frame 1"])):
             call = self.follow(moves, positions, frames=7 if 0.2 in positions[0] else 5)
-            self.refuse(*call, says=["gnomon: scene.toml, ", *says])
+            self.refuse(*call, says=["scene.toml, path way, frame ", *says])
             self.assertFalse((self.dir / "out").exists())
         # What a path does to lights that are not requested has no effect.
         self.succeed(*self.follow("light", [[0, -1, 0], [0, 3, 0]], "--light", "lamp", "--dry-run"))
