@@ -40,6 +40,8 @@ std::string_view name(Device device) {
       return "processor";
     case Device::opengl:
       return "opengl";
+    case Device::vulkan:
+      return "vulkan";
   }
   return "";
 }

@@ -58,6 +58,7 @@ enum class Role { contender, baseline, reference };
 enum class Device {
   processor,  ///< nothing else
   opengl,     ///< a current OpenGL 4.5 core context
+  vulkan,     ///< a current Vulkan device with rays (gnomon/kit/vulkan/vulkan.h)
 };
 std::string_view name(Device device);
 

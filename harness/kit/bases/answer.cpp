@@ -2,6 +2,7 @@
 #include <gnomon/kit/bases/answer.h>
 #include <gnomon/kit/gl/gl.h>
 #include <gnomon/kit/rays/gbuffer_maker.h>
+#include <gnomon/kit/vulkan/current.h>
 #include <gnomon/registry.h>
 
 namespace gnomon {
@@ -16,6 +17,9 @@ Answer answer(std::string_view technique, const Scene& scene, const Light& light
     if (!gl_limits()) throw Error("{} draws: make an OpenGL 4.5 core context current and call ask_gl_limits() first", entry.id);
     glClipControl(GL_UPPER_LEFT, GL_ZERO_TO_ONE);
   }
+  if (entry.about.device == Device::vulkan && !current_vulkan())
+    throw Error("{} works with Vulkan: make a device current first (set_current_vulkan of gnomon/kit/vulkan/vulkan.h)",
+                entry.id);
   if (const Support support = support_of(entry.about, *object, scene, light, view); !support)
     throw Error("{} does not support this: {}", entry.id, support.why());
   Answer seen;

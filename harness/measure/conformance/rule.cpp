@@ -24,7 +24,7 @@ std::string_view name(Verdict::Kind kind) {
 
 std::string_view name(AppliesTo applies_to) {
   static constexpr std::string_view names[] = {"every technique",
-                                               "techniques that draw",
+                                               "techniques that draw with OpenGL",
                                                "techniques that promise to be exact",
                                                "sampled techniques, without baselines",
                                                "techniques that remember frames",
@@ -56,6 +56,7 @@ const Rule& rule(std::string_view name) {
 std::string_view why_not_applied(const Rule& rule, const About& about) {
   const bool is_exact = about.promise == Promise::exact, is_of_sampled = rule.applies_to == AppliesTo::sampled;
   if (rule.applies_to == AppliesTo::drawing && !draws(about)) return "it does not draw";
+  if (rule.applies_to == AppliesTo::drawing && about.device != Device::opengl) return "it does not draw with OpenGL";
   if (rule.applies_to == AppliesTo::exact && !is_exact) return "it does not promise to be exact";
   if (rule.applies_to == AppliesTo::remembering && !about.remembers) return "it does not remember frames";
   if (rule.applies_to == AppliesTo::not_remembering && about.remembers) return "it remembers frames";
@@ -71,6 +72,8 @@ Verdict judge(const Rule& rule, const TechniqueEntry& entry, const std::function
   if (const std::string_view why = why_not_applied(rule, entry.about); !why.empty())
     return {.kind = Verdict::Kind::does_not_apply, .why = std::string(why)};
   Trial trial(rule, entry, moves);
+  if (std::string why = trial.device().missing(); !why.empty())
+    return {.kind = Verdict::Kind::does_not_apply, .why = std::move(why)};
   try {
     rule.check(trial);
   } catch (const CannotAsk&) {

@@ -47,7 +47,7 @@ std::string_view name(Verdict::Kind kind);
 
 /// The techniques to which a rule applies, by their data sheets.
 enum class AppliesTo { all, drawing, exact, sampled, remembering, not_remembering };
-/// "techniques that draw".
+/// "techniques that draw with OpenGL", which `drawing` means.
 std::string_view name(AppliesTo applies_to);
 
 /// How much of a rule runs under the sanitizers (tests/conformance). Rules that compare answers with the truth run no code of a

@@ -154,7 +154,7 @@ void for_each_fact(SomeAbout& about, const auto& use) {
     use("estimates", about.estimates, LightShareKind::irradiance);
     use("role", about.role, Role::reference);
     use("floor", about.floor, Floor::copy);
-    use("device", about.device, Device::opengl);
+    use("device", about.device, Device::vulkan);
     use("rasterizes", about.rasterizes);
     use("named_only", about.named_only);
     use("update_error", about.update_error);

@@ -13,6 +13,11 @@ void for_each_field(MaybeConst<CardState> auto& r, const auto& use) {
   use("power_w", r.power_w, "power_limit_w", r.power_limit_w, "celsius", r.celsius);
 }
 
+std::optional<Json> card_in_json(std::string_view renderer) {
+  const auto state = card_state(renderer);
+  return state ? std::optional(written(*state)) : std::nullopt;
+}
+
 OpenGlDevice::OpenGlDevice() : info_(process_context().info()) {
   // llvmpipe's marks are not in order with its work: 0.2 ms for a resolve of 5, 2.6 for a build of 0.03.
   if (info_.driver != GlChoice::software) stopwatch_.emplace();
@@ -25,10 +30,7 @@ std::optional<WorkerGl> OpenGlDevice::description() const {
                   .card = card()};
 }
 
-std::optional<Json> OpenGlDevice::card() const {
-  const auto state = info_.is_software() ? std::nullopt : card_state(info_.renderer);
-  return state ? std::optional(written(*state)) : std::nullopt;
-}
+std::optional<Json> OpenGlDevice::card() const { return info_.is_software() ? std::nullopt : card_in_json(info_.renderer); }
 
 Support OpenGlDevice::within_limits(const Scene& scene, int width, int height) const {
   return gnomon::within_limits(inputs_need(scene, width, height));

@@ -6,6 +6,9 @@
 
 namespace gnomon {
 
+/// State of the card that draws, found by the name of what draws: WorkerGl::card.
+std::optional<Json> card_in_json(std::string_view renderer);
+
 /// The OpenGL context of this process. It counts the triangles that no stage uploads.
 class OpenGlDevice final : public TechniqueDevice {
  public:
@@ -33,7 +36,7 @@ class OpenGlDevice final : public TechniqueDevice {
   FloorRequest::Reply time_floor(int times);
 
   const GlInfo& info_;
-  std::optional<DeviceStopwatch> stopwatch_;
+  std::optional<GlStopwatch> stopwatch_;
   std::optional<BarePass> bare_pass_;
   std::uint64_t before_ = 0, staged_ = 0;  ///< bytes of triangles: uploaded before the stage, by stages in all
 };

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "measure/worker/opengl_device.h"
+#include "measure/worker/vulkan_device.h"
 
 namespace gnomon {
 
@@ -18,6 +19,8 @@ std::unique_ptr<TechniqueDevice> device_of(const About& about) {
       return std::make_unique<TechniqueDevice>();
     case Device::opengl:
       return std::make_unique<OpenGlDevice>();
+    case Device::vulkan:
+      return vulkan_device();
   }
   throw Error("there is no device {}", static_cast<int>(about.device));
 }

@@ -22,6 +22,8 @@ class TechniqueDevice {
   TechniqueDevice& operator=(const TechniqueDevice&) = delete;
   virtual ~TechniqueDevice() = default;
 
+  /// Why there is no such device on this machine; empty: there is one. No stage may be called where it is missing.
+  virtual std::string missing() const { return {}; }
   /// What draws, for records; nothing where the processor alone works.
   virtual std::optional<WorkerGl> description() const { return {}; }
   /// Present state of the card: WorkerGl::card.
@@ -67,7 +69,8 @@ class TechniqueDevice {
   virtual void settle() {}
 };
 
-/// The device that a technique with this data sheet is called with; makes it ready. Throws Error where this machine has none.
+/// The device that a technique with this data sheet is called with; makes it ready. Where this machine has none it throws
+/// Error, or the device's `missing` says why.
 std::unique_ptr<TechniqueDevice> device_of(const About& about);
 
 }  // namespace gnomon

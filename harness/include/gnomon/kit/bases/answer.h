@@ -18,7 +18,7 @@ struct Answer {
 /// `technique` is an id in this process's registry, with settings behind it as on the command line:
 /// "shadow_map:resolution=2048,filter=pcf". Throws Error when there is none of that id, where it does not support scene, light
 /// or view, and of one that draws when no OpenGL 4.5 core context is current of which `ask_gl_limits`
-/// (gnomon/kit/gl/gl_limits.h) was called; clip control is set here.
+/// (gnomon/kit/gl/gl_limits.h) was called; clip control is set here. Likewise without a Vulkan device, where one needs that.
 Answer answer(std::string_view technique, const Scene& scene, const Light& light, const View& view, int width = 640,
               int height = 360);
 
