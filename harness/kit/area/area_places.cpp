@@ -1,4 +1,4 @@
-#include <gnomon/kit/area/area_rays.h>
+#include <gnomon/kit/area/light_points.h>
 #include <gnomon/kit/random.h>
 #include <gnomon/kit/vectorized.h>
 
@@ -68,17 +68,19 @@ GNOMON_VECTORIZED void find_cells(const float* x, const float* y, std::uint32_t*
 
 }  // namespace
 
+glm::dvec2 place_in_disc(const glm::dvec2& square) {
+  const bool is_flat = std::abs(square.x) > std::abs(square.y);
+  const double radius = is_flat ? square.x : square.y, other = is_flat ? square.y : square.x;
+  const double turn = radius != 0 ? std::numbers::pi / 4 * other / radius : 0;
+  return radius * (is_flat ? glm::dvec2(std::cos(turn), std::sin(turn)) : glm::dvec2(std::sin(turn), std::cos(turn)));
+}
+
 Squares places_on(const LightFigure& figure, const Squares& squares, int count) {
   const LightFigure::Box& box = figure.box();
   Squares result{};
   for (int k = 0; k < count; ++k) {
     glm::dvec2 place(2.0 * squares.x[k] - 1, 2.0 * squares.y[k] - 1);
-    if (figure.is_disc()) {
-      const bool is_flat = std::abs(place.x) > std::abs(place.y);
-      const double radius = is_flat ? place.x : place.y, other = is_flat ? place.y : place.x;
-      const double turn = radius != 0 ? std::numbers::pi / 4 * other / radius : 0;
-      place = radius * (is_flat ? glm::dvec2(std::cos(turn), std::sin(turn)) : glm::dvec2(std::sin(turn), std::cos(turn)));
-    }
+    if (figure.is_disc()) place = place_in_disc(place);
     const glm::dvec2 along = (place - box.low) / (box.high - box.low);
     result.x[k] = static_cast<float>(along.x);
     result.y[k] = static_cast<float>(along.y);

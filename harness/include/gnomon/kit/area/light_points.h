@@ -39,6 +39,9 @@ class PatternPlaces {
   Random random_;
 };
 
+/// The place of the unit disc for one of the square -1 .. 1: equal areas become equal areas (Shirley and Chiu 1997).
+glm::dvec2 place_in_disc(const glm::dvec2& square);
+
 /// `count` points of a light with area, the same for whoever looks: world space, meters, rounded once to float32. On a
 /// rectangle they lie where those of PatternPlaces lie on its figure, on a disc as on a figure that is seen along its axis, on
 /// a sphere all over its surface. Throws Error on a light without area.
