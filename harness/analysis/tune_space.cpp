@@ -7,6 +7,7 @@
 #include <set>
 
 #include "analysis/analysis.h"
+#include "measure/run/suite.h"
 
 namespace gnomon {
 
@@ -39,20 +40,6 @@ std::vector<std::string> all_levels(const Parameter& row) {
 bool is_tuned(const Parameter& row) {
   const std::string_view name = row.name().substr(row.name().rfind('.') + 1);  // without the object's
   return name != "seed" && !name.starts_with("pick_") && !dynamic_cast<const ObjectParameter*>(&row);
-}
-
-/// "a=1,b={2,3}" at its commas outside of braces.
-std::vector<std::string> items_of(std::string_view text) {
-  std::vector<std::string> items(1);
-  int depth = 0;
-  for (const char c : text) {
-    depth += (c == '{') - (c == '}');
-    if (c == ',' && depth == 0)
-      items.emplace_back();
-    else
-      items.back() += c;
-  }
-  return items;
 }
 
 std::string_view word_at(std::string_view text, std::size_t at) {
@@ -114,7 +101,7 @@ class Reader {
  private:
   void read_items(const std::string& settings) {
     std::set<std::string> names;
-    for (const std::string& item : items_of(settings)) {
+    for (const std::string& item : parts_outside_braces(settings)) {
       if (item == "*") {
         takes_all_ = true;
         continue;
@@ -136,7 +123,7 @@ class Reader {
     std::vector<std::string> values;
     const std::string before = row.text();
     Parameter& changed = technique_->parameter(row.name());
-    for (const std::string& value : items_of(std::string_view(braces).substr(1, braces.size() - 2))) {
+    for (const std::string& value : parts_outside_braces(std::string_view(braces).substr(1, braces.size() - 2))) {
       changed.set(value);
       if (std::ranges::find(values, changed.text()) == values.end()) values.push_back(changed.text());
     }

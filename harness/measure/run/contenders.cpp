@@ -65,17 +65,8 @@ class SweepNames {
 
 /// The techniques that a text names side by side: "a:b=1,c" names "a:b=1" and "c". One where it is as it should be.
 std::vector<std::string> techniques_in(const std::string& text) {
-  std::vector<std::string> parts(1);
-  int depth = 0;  // commas within braces are of a sweep
-  for (const char c : text) {
-    depth += (c == '{') - (c == '}');
-    if (c == ',' && depth == 0)
-      parts.emplace_back();
-    else
-      parts.back() += c;
-  }
   std::vector<std::string> techniques;
-  for (const std::string& part : parts) {
+  for (const std::string& part : parts_outside_braces(text)) {
     const std::string id = part.substr(0, part.find_first_of(":="));
     const bool is_setting = id.empty() || (id.size() < part.size() && part[id.size()] == '=');
     const auto is_technique = [&] { return registry().find_technique(id) || techniques.back().find(':') == std::string::npos; };
@@ -88,6 +79,19 @@ std::vector<std::string> techniques_in(const std::string& text) {
 }
 
 }  // namespace
+
+std::vector<std::string> parts_outside_braces(std::string_view text) {
+  std::vector<std::string> parts(1);
+  int depth = 0;
+  for (const char c : text) {
+    depth += (c == '{') - (c == '}');
+    if (c == ',' && depth == 0)
+      parts.emplace_back();
+    else
+      parts.back() += c;
+  }
+  return parts;
+}
 
 std::vector<std::string> expand_braces(const std::string& text) {
   double count = 1, in_brace = 1;

@@ -28,6 +28,8 @@ std::string file_text(const std::filesystem::path& file);
 /// "640x360" into width and height of 1 .. 16384 pixels. Throws Error that starts with `what`.
 std::pair<int, int> parse_size(const std::string& text, const std::string& what);
 
+/// A text at its commas outside of braces: "a=1,b={2,3}" has two parts. One part where it has no such comma.
+std::vector<std::string> parts_outside_braces(std::string_view text);
 /// `a{b,c}d` gives `abd` and `acd`; two braces give their product. Throws Error on a brace without its partner.
 std::vector<std::string> expand_braces(const std::string& text);
 /// Reads `id:param=value,...`; a comma list in braces is a sweep: `shadow_map:resolution={256,1024}` gives two contenders,
