@@ -53,7 +53,7 @@ class AreaSvbsp final : public Technique {
   Number<double> fragment_size =
       Number<double>(this, "fragment_size", 1, {.min = 0.001, .max = 1, .log = true}, Stage::relight,
                      "Greatest length of a fragment of the penumbra, as a multiple of the scene's diagonal: longer ones "
-                     "are halved. For shade=vertices.");
+                     "are halved; for shade=vertices.");
   Number<int> light_splits =
       Number<int>(this, "light_splits", 2, {.min = 0, .max = 8}, Stage::relight,
                   "Halvings of the light, one within the other, where nothing is seen of it past several polygons: what "

@@ -66,15 +66,15 @@ class DenoisedRays final : public Technique {
                            "before it, which is biased.");
   // A picture alone, as suites score it, is the first frame of a sequence: there memory is cost without effect.
   Choice memory = Choice(this, "memory", "off", {"off", "accumulate", "clamp"}, Stage::resolve,
-                         "The mean over frames: none; exponential; the same with the history held to the shares around "
-                         "the pixel.");
+                         "Where frames follow one another: their mean is none; exponential; the same with the history held "
+                         "to the shares around the pixel.");
   Number<double> alpha = Number<double>(this, "alpha", 0.05, {.min = 0.01, .max = 1, .log = true}, Stage::resolve,
-                                        "The newest frame's part in a long memory.");
+                                        "The newest frame's part in a long memory; for memory=accumulate and clamp.");
   Number<int> longest = Number<int>(this, "longest", 64, {.unit = "frame", .min = 1, .max = 4096, .log = true}, Stage::resolve,
-                                    "Frames that a history counts as at most.");
+                                    "Frames that a history counts as at most; for memory=accumulate and clamp.");
   Choice on_change = Choice(this, "on_change", "clamp", {"keep", "drop", "clamp"}, Stage::resolve,
                             "The history in a frame whose light or casters moved: kept, dropped, or held to the shares around "
-                            "the pixel.");
+                            "the pixel; for memory=accumulate and clamp.");
   Number<int> seed{this, "seed", 1, {"", 0, 1000000}, Stage::setup, "Other random numbers."};
   Number<double> pick_x = Number<double>(this, "pick_x", 0.5, {.min = 0, .max = 1}, Stage::resolve,
                                          "Place in the picture, from its left border, of the pixel of layer weights.");

@@ -44,7 +44,7 @@ class StencilVolume final : public VolumeTechnique {
                          "Who finds the outline and caps that a light sees: the processor's threads, or compute shaders.");
   Choice near_cap =
       Choice(this, "near_cap", "eye", {"eye", "rectangle"}, Stage::relight,
-             "For zpass_plus: the volumes around the eye, or the casters thrown onto the near rectangle as published.");
+             "The volumes around the eye, or the casters thrown onto the near rectangle as published; for count=zpass_plus.");
   Choice counter =
       Choice(this, "counter", "auto", {"auto", "wide"}, Stage::relight,
              "Eight stencil bits where no more than 255 volumes can overlap and 32 bits elsewhere, or always 32 bits.");

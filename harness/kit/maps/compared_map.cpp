@@ -54,8 +54,8 @@ ComparedMap::ComparedMap(const Defaults& defaults)
           "without a setting: that plane with an epsilon by the scene's size (adaptive), a length toward the light (oriented), "
           "or the defaults of an engine."),
       depth_bias(this, "depth_bias", defaults.depth_bias, {.unit = "texel", .min = 0, .max = 64}, Stage::resolve,
-                 "Constant depth bias along the image's axis, in world widths of a texel at the point; for the first four of "
-                 "bias."),
+                 "Constant depth bias along the image's axis, in world widths of a texel at the point; for "
+                 "bias=constant, slope, normal_offset and receiver_plane."),
       slope_bias(this, "slope_bias", defaults.slope_bias, {.unit = "half texel diagonal", .min = 0, .max = 16}, Stage::resolve,
                  "Slope-scaled bias, times the tangent of the angle between normal and light; for bias=slope."),
       normal_offset(this, "normal_offset", 1.5, {.unit = "texel", .min = 0, .max = 16}, Stage::relight,

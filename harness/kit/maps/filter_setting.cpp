@@ -21,8 +21,8 @@ FilterSetting::FilterSetting(Parametrized* owner)
                    "How many frames' answers are averaged, from noise_frame on: what an average over time comes to; for "
                    "filter=rotated."),
       early_bail(owner, "early_bail", false, Stage::setup,
-                 "Five texels of the filter, the middle one and four around it, decide where they agree; for filters of more "
-                 "than four texels.") {}
+                 "Five texels of the filter, the middle one and four around it, decide where they agree; for filter=pcf, "
+                 "disc, optimized, bicubic and rotated.") {}
 
 MapFilter FilterSetting::used() const {
   return {.kind = MapFilter::Kind(filter.index()),

@@ -20,7 +20,8 @@ class MaskSetting {
             "Casters with holes: cut takes the solid parts of their alpha masks, as polygons; filled takes whole triangles, as "
             "if they had no holes."),
         most_(owner, "mask_limit", 200'000, {.unit = "polygons", .min = 1, .max = 10'000'000, .log = true}, Stage::build,
-              "The most polygons that the alpha masks of a scene may be cut into: with more it is not supported.") {}
+              "Casters with holes: the most polygons that the alpha masks of a scene may be cut into; with more it is not "
+              "supported.") {}
 
   /// What is left of `support`, the answer of a scene without holes: cut corners are within what pixels of class U allow for,
   /// and change nothing.
