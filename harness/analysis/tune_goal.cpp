@@ -59,8 +59,7 @@ TuneLimit tune_limit(const std::string& text) {
   if (!number || !std::isfinite(*number) || *number < 0)
     throw Error("{}: '{}' is not a number of 0 or more, or a percentage", where, text.substr(sign + 2));
   TuneLimit limit{number_named(name, where), is_least, *number, text};
-  if (is_percentage && (limit.number.is_time() || limit.number.name.ends_with("bytes")))
-    throw Error("{}: {} has no percentage", where, name);
+  if (is_percentage && limit.number.is_cost()) throw Error("{}: {} has no percentage", where, name);
   if (is_percentage) limit.bound /= 100;
   if (name == "MiB") limit.bound *= mebibyte;
   if (name == "error" && !is_least && limit.bound >= 1)
@@ -79,6 +78,8 @@ std::optional<double> TuneNumber::of(const Record& record) const {
 
 bool TuneNumber::is_time() const { return cost ? *cost != Cost::bytes : name.ends_with("_ms"); }
 
+bool TuneNumber::is_cost() const { return is_time() || name.ends_with("bytes"); }
+
 double TuneLimit::beyond(double value) const {
   const double over = is_least ? bound - value : value - bound;
   return bound > 0 ? over / bound : over;
@@ -86,6 +87,10 @@ double TuneLimit::beyond(double value) const {
 
 bool TuneGoal::is_timed() const {
   return least.is_time() || std::ranges::any_of(each, [](const TuneLimit& limit) { return limit.number.is_time(); });
+}
+
+bool TuneGoal::counts_costs() const {
+  return least.is_cost() || std::ranges::any_of(each, [](const TuneLimit& limit) { return limit.number.is_cost(); });
 }
 
 TuneNumber tuned_number(const std::string& text) {

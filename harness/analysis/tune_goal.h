@@ -11,6 +11,7 @@ struct TuneNumber {
   std::optional<double> of(const Record& record) const;
   /// Times differ from process to process; all other numbers come out the same in every run.
   bool is_time() const;
+  bool is_cost() const;  ///< a time or bytes: not what the mask says
 };
 
 struct TuneLimit {
@@ -27,7 +28,8 @@ struct TuneGoal {
   TuneNumber least;
   std::vector<TuneLimit> each;  ///< at each place
   TuneOver over = TuneOver::worst;
-  bool is_timed() const;  ///< a time decides
+  bool is_timed() const;      ///< a time decides
+  bool counts_costs() const;  ///< a time or bytes decide
 };
 
 /// "cost=light", or a quantity that is better when lower. Throws Error with the nearest names.

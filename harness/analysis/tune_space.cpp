@@ -39,11 +39,34 @@ std::vector<std::string> all_levels(const Parameter& row) {
 /// Whether `ID:*` tunes it.
 bool is_tuned(const Parameter& row) {
   const std::string_view name = row.name().substr(row.name().rfind('.') + 1);  // without the object's
-  return name != "seed" && !name.starts_with("pick_") && !dynamic_cast<const ObjectParameter*>(&row);
+  return name != "seed" && name != "noise_frame" && !name.starts_with("pick_") && !dynamic_cast<const ObjectParameter*>(&row);
 }
 
 std::string_view word_at(std::string_view text, std::size_t at) {
   return text.substr(at, text.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789_", at) - at);
+}
+
+/// Words that open or end the sentence of a parameter that acts on nothing else.
+struct Subject {
+  std::string_view words;
+  bool TuneMatter::*is_there;
+  std::string_view lack;
+};
+constexpr Subject subjects[] = {
+    {"Casters with holes: ", &TuneMatter::has_holes, "no mesh has holes"},
+    {"Casters that let a part of the light through: ", &TuneMatter::has_glass, "no caster lets light through"},
+    {"Where some casters move and others do not: ", &TuneMatter::has_motion, "nothing moves"},
+    {"Where frames follow one another: ", &TuneMatter::has_motion, "no frame follows another"},
+    {" The mask is the same.", &TuneMatter::has_costs, "no cost counts"},
+    {" it never changes the answer.", &TuneMatter::has_costs, "no cost counts"}};
+
+/// Why the parameter acts on nothing that there is; empty: it may act.
+std::string_view lack_of(const Parameter& row, const TuneMatter& matter) {
+  const std::string_view sentence = row.sentence();
+  for (const Subject& subject : subjects)
+    if (!(matter.*subject.is_there) && (sentence.starts_with(subject.words) || sentence.ends_with(subject.words)))
+      return subject.lack;
+  return {};
 }
 
 struct Condition {
@@ -83,7 +106,7 @@ std::optional<Condition> condition_of(const Parameter& row, const Technique& tec
 /// Reads the items of a text into a space.
 class Reader {
  public:
-  explicit Reader(const std::string& text) : text_(text) {
+  Reader(const std::string& text, const TuneMatter& matter) : text_(text), matter_(matter) {
     const std::size_t colon = text.find(':');
     space_.technique = text.substr(0, colon);
     technique_ = registry().technique(space_.technique).make();
@@ -136,17 +159,20 @@ class Reader {
     return std::ranges::any_of(fixed_, [&](const std::string& item) { return item.starts_with(name + "="); });
   }
 
-  bool varies(const Parameter& row) const {
+  /// Whether it is asked for, whatever it acts on.
+  bool is_asked(const Parameter& row) const {
     const std::string name(row.name());
     const bool is_named = std::ranges::find(swept_, name, &std::pair<std::string, std::string>::first) != swept_.end();
     return is_named || (takes_all_ && !is_fixed(name) && is_tuned(row));
   }
 
+  bool varies(const Parameter& row) const { return is_asked(row) && lack_of(row, matter_).empty(); }
+
   /// Adds the parameter where it varies.
   void add(const Parameter& row) {
     const std::string name(row.name());
     const auto given = std::ranges::find(swept_, name, &std::pair<std::string, std::string>::first);
-    if (!varies(row)) {
+    if (!is_asked(row)) {
       if (takes_all_ && !is_fixed(name)) space_.left_out.push_back(name);
       return;
     }
@@ -156,6 +182,10 @@ class Reader {
       technique_->parameter(name).set(parameter.values.front());
       fixed_.push_back(fmt::format("{}={}", name, parameter.values.front()));
       space_.fixed = joined(fixed_, ",");
+      return;
+    }
+    if (const std::string_view lack = lack_of(row, matter_); !lack.empty()) {
+      space_.skipped.push_back(fmt::format("{} ({})", name, lack));
       return;
     }
     TuneGrid::Parameter grid{.levels = parameter.values.size(), .is_ordered = is_number(row)};
@@ -186,6 +216,7 @@ class Reader {
   }
 
   const std::string& text_;
+  const TuneMatter& matter_;
   std::unique_ptr<Technique> technique_;
   bool takes_all_ = false;
   std::vector<std::pair<std::string, std::string>> swept_;
@@ -257,6 +288,6 @@ std::string TuneSpace::name(const TuneSetting& setting) const {
   return text.empty() ? technique : technique + ":" + text;
 }
 
-TuneSpace tune_space(const std::string& text) { return Reader(text).space(); }
+TuneSpace tune_space(const std::string& text, const TuneMatter& matter) { return Reader(text, matter).space(); }
 
 }  // namespace gnomon

@@ -36,22 +36,24 @@ double duration_from(const std::string& text) {
   return *number * found->second;
 }
 
-std::vector<TuneSpace> spaces_of(const TuneOptions& options) {
+std::vector<TuneSpace> spaces_of(const TuneOptions& options, const TuneMatter& matter) {
   std::vector<std::string> texts = listed(options.technique);
   texts.insert(texts.end(), options.techniques.begin(), options.techniques.end());
   if (texts.empty())
     throw Error("tune needs a technique, as in 'gnomon tune shadow_map', or --technique shadow_map:resolution=*");
   std::vector<TuneSpace> spaces;
+  std::vector<std::string> skipped;
   double count = 0;
   for (const std::string& text : texts) {
-    spaces.push_back(tune_space(text));
+    spaces.push_back(tune_space(text, matter));
     count += spaces.back().grid.count();
+    skipped.insert(skipped.end(), spaces.back().skipped.begin(), spaces.back().skipped.end());
   }
   if (count < 2)
     throw Error(
-        "{} has one setting, and there is nothing to choose; give a parameter * or values in braces, as in "
+        "{} has one setting{}, and there is nothing to choose; give a parameter * or values in braces, as in "
         "shadow_map:resolution={{512,1024}}",
-        joined(texts, ", "));
+        joined(texts, ", "), skipped.empty() ? "" : fmt::format(", without an effect here: {}", joined(skipped, ", ")));
   return spaces;
 }
 
@@ -70,7 +72,7 @@ TuneGoal goal_of(const TuneOptions& options, const Command& command) {
 
 TunePlan plan_of(TuneOptions& options, const Command& command, const Program& program) {
   TunePlan plan;
-  plan.spaces = spaces_of(options);
+  plan.spaces = spaces_of(options, {});
   plan.goal = goal_of(options, command);
   plan.run = options.run;
   if (options.scenes.empty()) throw Error("tune needs a scene: --scene bunny, or --scene FILE");
@@ -95,6 +97,17 @@ TunePlan plan_of(TuneOptions& options, const Command& command, const Program& pr
   return plan;
 }
 
+/// What the scenes and the goal of the plan have. Scenes that are not fetched count for nothing.
+TuneMatter matter_of(const TunePlan& plan, SceneLibrary& library) {
+  TuneMatter matter{.has_holes = false, .has_glass = false, .has_motion = false, .has_costs = plan.goal.counts_costs()};
+  for (const std::string& reference : plan.run.suite.groups.front().scenes) {
+    const std::optional<Scene>& scene = library.get(reference).scene;
+    matter.has_holes = matter.has_holes || (scene && scene->has_alpha_masks());
+    matter.has_glass = matter.has_glass || (scene && scene->has_transmission());
+  }
+  return matter;
+}
+
 /// The levels of every parameter, how many evaluations there are and about how long they take.
 void print_plan(const TunePlan& plan, Tuning& tuning, std::size_t width) {
   for (const TuneSpace& space : plan.spaces) {
@@ -106,7 +119,8 @@ void print_plan(const TunePlan& plan, Tuning& tuning, std::size_t width) {
     for (const TuneSpace::Parameter& parameter : space.parameters)
       table.add_row({parameter.name, joined(parameter.values, ", "),
                      parameter.condition.empty() ? "always" : "for " + parameter.condition});
-    fmt::print("{}\n", table.text(width));
+    fmt::print("{}{}\n", table.text(width),
+               space.skipped.empty() ? "" : fmt::format("skipped where it has no effect: {}\n", joined(space.skipped, ", ")));
   }
   const double possible = tuning.possible();
   const double asked = tuning.is_whole() ? possible : std::min(most_evaluations, possible / 5);
@@ -143,6 +157,7 @@ int tune(TuneOptions& options, const Command& command, const Program& program) {
   TunePlan plan = plan_of(options, command, program);
   SceneLibrary library;
   if (plan.run.resume) use_recorded_scenes(plan.run.out, plan.run.suite, library);
+  plan.spaces = spaces_of(options, matter_of(plan, library));
   const fs::path out = plan.run.out;
   Tuning tuning(plan, library);
   if (options.dry_run) {

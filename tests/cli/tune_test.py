@@ -112,6 +112,8 @@ class Tune(ProgramTest):
         text = self.succeed("tune", "shadow_map", *ONE, "--error", "1%", "--dry-run")
         self.assertRegex(text, r"(?m)^resolution +64, 128, 256, 512, 1024, 2048, 4096, 8192 +always$")
         self.assertRegex(text, r"(?m)^slope_bias .* for bias=slope$")
+        self.assertIn("skipped where it has no effect: alpha (no mesh has holes), glass (no caster lets light through), update (nothing moves)", text)
+        self.assertNotRegex(text, r"(?m)^noise_frame ")
         self.assertRegex(text, r"2 places; \d+ evaluations, of which at most 2000 are run")
         self.assertEqual(self.names(self.dir), [])
 
@@ -127,6 +129,7 @@ class Tune(ProgramTest):
             ([*ONE, *MAPS, "--error", "1%", "--budget", "soon"], ["--budget soon", "10min"]),
             ([*ONE, *MAPS, "--error", "1%", "--over", "best"], ["worst or mean"]),
             (["shadow_map:resolution=64", *ONE, "--error", "1%"], ["one setting", "nothing to choose"]),
+            (["shadow_map:alpha=*", *ONE, "--error", "1%"], ["one setting", "alpha (no mesh has holes)"]),
             (["shadow_map:resolutoin=*", *ONE, "--error", "1%"], ["resolutoin", "resolution"]),
             (["shadow_map:resolution={1,64}", *ONE, "--error", "1%"], ["resolution = 1", "64 .. 8192"]),
             (["--scene", "fence", "--light", "moon", *MAPS, "--error", "1%"], ["moon", "point"]),

@@ -60,6 +60,8 @@ TEST(tune_space, a_parameter_counts_where_its_sentence_says_so) {
   EXPECT_EQ(parameter(space, "slope_bias").condition, "bias=slope");
   EXPECT_EQ(parameter(space, "normal_offset").condition, "bias=normal_offset");
   EXPECT_EQ(parameter(space, "filter_radius").condition, "filter=pcf,disc,optimized,rotated");
+  EXPECT_EQ(parameter(space, "depth_bias").condition, "bias=constant,slope,normal_offset,receiver_plane");
+  EXPECT_EQ(parameter(space, "early_bail").condition, "filter=pcf,disc,optimized,bicubic,rotated");
   EXPECT_EQ(parameter(space, "dual_offset").condition, "stored=dual");
   EXPECT_EQ(parameter(space, "resolution").condition, "");
   const TuneGrid::Parameter& slope = space.grid.parameters[index(space, "slope_bias")];
@@ -71,6 +73,36 @@ TEST(tune_space, a_parameter_counts_where_its_sentence_says_so) {
   EXPECT_EQ(bias.grid.count(), 1 + 2 + 3 + 9);
   // Where what it is for is fixed elsewhere, it does not vary.
   EXPECT_EQ(tune_space("shadow_map:bias=constant,slope_bias=*,filter={nearest,bilinear}").grid.count(), 2);
+}
+
+TEST(tune_space, parameters_that_act_on_nothing_that_is_there_are_skipped) {
+  const TuneSpace whole = tune_space("shadow_map");
+  EXPECT_TRUE(whole.skipped.empty());
+  EXPECT_EQ(whole.left_out, std::vector<std::string>{"noise_frame"});
+  const TuneSpace plain = tune_space("shadow_map", {.has_holes = false, .has_glass = false, .has_motion = false});
+  EXPECT_EQ(plain.skipped, (std::vector<std::string>{"alpha (no mesh has holes)", "glass (no caster lets light through)",
+                                                     "update (nothing moves)"}));
+  EXPECT_EQ(plain.grid.count() * 4 * 2 * 2, whole.grid.count());  // the choices of these three
+  EXPECT_EQ(plain.settings(plain.grid.base()), "");
+  // Who asks for one by name gets it skipped, too, and a value that all settings have is theirs.
+  const TuneSpace named = tune_space("shadow_map:alpha=*,glass=none,resolution=*", {.has_holes = false, .has_glass = false});
+  EXPECT_EQ(named.skipped, std::vector<std::string>{"alpha (no mesh has holes)"});
+  EXPECT_EQ(named.grid.count(), 8);
+  EXPECT_EQ(named.fixed, "glass=none");
+}
+
+TEST(tune_space, what_changes_costs_alone_is_skipped_where_none_counts) {
+  const TuneSpace space = tune_space("shadow_map:pass=*,resolution=*", {.has_costs = false});
+  EXPECT_EQ(space.skipped, std::vector<std::string>{"pass (no cost counts)"});
+  EXPECT_EQ(tune_space("two_pass_object:cell_triangles=*", {.has_costs = false}).grid.count(), 1);
+}
+
+TEST(tune_space, without_what_a_parameter_is_for_it_is_skipped_with_its_controller) {
+  const TuneSpace space = tune_space("denoised_rays", {.has_motion = false});
+  EXPECT_EQ(space.skipped.front(), "memory (no frame follows another)");
+  for (const std::string_view name : {"alpha", "longest", "on_change"})
+    EXPECT_NE(std::ranges::find(space.skipped, fmt::format("{} (for memory=accumulate,clamp)", name)), space.skipped.end())
+        << name;
 }
 
 TEST(tune_space, bad_texts_are_refused_with_what_is_allowed) {
