@@ -1,4 +1,5 @@
 #pragma once
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -72,6 +73,12 @@ struct TuneQuestion {
 };
 /// Measures them; answers in their order. Nothing: it is not measured, because the time is over.
 using TuneAsker = std::function<std::vector<std::optional<TuneAnswer>>(std::span<const TuneQuestion>)>;
+
+/// Grids of at most so many evaluations are run whole; of larger ones a fifth, and at most so many.
+inline constexpr double most_evaluations = 2000;
+inline std::size_t most_asked(double possible, double most = most_evaluations) {
+  return static_cast<std::size_t>(std::min(most, possible / 5));
+}
 
 struct TuneSearchOptions {
   std::size_t places = 1;

@@ -16,7 +16,8 @@ namespace fs = std::filesystem;
 
 struct TuneOptions {
   std::string technique, error, least = "cost=light", over = "worst", hold_out, budget, size, shard, pictures = "all";
-  std::vector<std::string> techniques, scenes, lights, views, each;
+  std::vector<std::string> techniques, scenes, lights, views, each, replay;
+  std::string keep;
   int processes = 0, seed = 1, threads = 0;
   std::optional<double> timeout;
   RunOptions run;
@@ -62,7 +63,7 @@ TuneGoal goal_of(const TuneOptions& options, const Command& command) {
   if (!options.error.empty()) goal.each = tune_limits("error<=" + options.error);
   for (const std::string& text : options.each)
     for (TuneLimit& limit : tune_limits(text)) goal.each.push_back(std::move(limit));
-  if (goal.each.empty() && !command.is_given("--least"))
+  if (goal.each.empty() && !command.is_given("--least") && options.keep.empty())
     throw Error(
         "tune needs a limit, or the cheapest setting is the one that errs most: --error 1%, --each 'error<=1%', or --least "
         "error");
@@ -154,10 +155,20 @@ void draw_parameters_of(const TuneReport& report, std::span<const Record> record
 }
 
 int tune(TuneOptions& options, const Command& command, const Program& program) {
+  if (!options.replay.empty()) {
+    if (!options.technique.empty() || !options.techniques.empty() || !options.scenes.empty())
+      throw Error("--replay searches what its files hold: it goes with no technique and no --scene");
+    print_replays(options.replay, goal_of(options, command), static_cast<std::uint64_t>(options.seed), options.width.columns());
+    return 0;
+  }
   TunePlan plan = plan_of(options, command, program);
   SceneLibrary library;
   if (plan.run.resume) use_recorded_scenes(plan.run.out, plan.run.suite, library);
   plan.spaces = spaces_of(options, matter_of(plan, library));
+  if (!options.keep.empty()) {
+    keep_grid(std::move(plan), library, options.keep);
+    return 0;
+  }
   const fs::path out = plan.run.out;
   Tuning tuning(plan, library);
   if (options.dry_run) {
@@ -203,6 +214,12 @@ void add_tune(Program& program) {
   command.option("--hold-out", &options.hold_out,
                  "scene: each in turn; place: a quarter of lights and views, too; none. By default place for one scene",
                  {.check = one_of({"scene", "place", "none"})});
+  command.option("--keep", &options.keep,
+                 "Run every setting for its error and bytes alone, and write them as a table to this file",
+                 {.check = not_empty()});
+  command.option("--replay", &options.replay,
+                 "Search grids whose every evaluation was kept, as in results/tune_grids/*.csv; nothing is run",
+                 {.check = not_empty()});
   command.option("--budget", &options.budget, "Time of the search: 10min, 90s, 1h; without limit by default",
                  {.check = not_empty()});
   command.option("--seed", &options.seed, "Of what is held out, and of where a search begins",

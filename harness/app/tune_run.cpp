@@ -167,7 +167,7 @@ void Tuning::search() {
     const TuneSearchOptions options{.places = places_.size(),
                                     .over = plan_.goal.over,
                                     .whole = is_whole() || count <= share,
-                                    .most_asked = static_cast<std::size_t>(std::min(share, count / 5)),
+                                    .most_asked = most_asked(count, share),
                                     .seed = plan_.seed};
     searches_[space] = search_grid(plan_.spaces[space].grid, options,
                                    [&](std::span<const TuneQuestion> questions) { return ask(space, questions); });

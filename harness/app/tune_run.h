@@ -1,25 +1,16 @@
 #pragma once
-#include "app/app.h"
-#include "measure/run/run.h"
+#include "app/tune_probe.h"
 #include "report/analysis/tune_table.h"
 
 namespace gnomon::app {
 
-/// What `gnomon tune` is to do.
-struct TunePlan {
-  std::vector<TuneSpace> spaces;
-  TuneGoal goal;
-  /// What is kept out of the choice beside scenes, which are left out in turn: lights and views by seed.
-  bool holds_out_places = false;
-  std::uint64_t seed = 1;
-  std::optional<double> budget;  ///< seconds of the search
-  int processes = 0;             ///< of finalists; 0: 5, and 15 of those that are tied
-  RunOptions run;                ///< its suite has scenes, lights, views and sizes; contenders are the search's
-  bool is_quiet = false;
-};
+/// `gnomon tune --keep`: asks every setting at every place for its error and bytes, and writes the table that --replay reads.
+/// The plan has one technique. Throws Error on scenes that are not fetched, and as WorkerClient does.
+void keep_grid(TunePlan plan, SceneLibrary& library, const std::filesystem::path& file);
 
-/// Grids of at most so many evaluations are run whole; of larger ones at most so many are.
-inline constexpr double most_evaluations = 2000;
+/// `gnomon tune --replay`: searches each of these kept grids (analysis/tune_replay.h) and prints a row for it: evaluations
+/// asked of possible, and how far what was found is from the best.
+void print_replays(std::span<const std::string> files, const TuneGoal& goal, std::uint64_t seed, std::size_t width);
 
 /// One search in one folder: every evaluation is a row of it. The search asks one process for each; finalists are measured by
 /// several.

@@ -117,6 +117,33 @@ class Tune(ProgramTest):
         self.assertRegex(text, r"2 places; \d+ evaluations, of which at most 2000 are run")
         self.assertEqual(self.names(self.dir), [])
 
+    def test_a_kept_grid_has_the_errors_of_a_run_and_can_be_searched(self):
+        sweep = "shadow_map:resolution={64,256},depth_bias={0.25,4},bias={slope,receiver_plane},slope_bias={0.5,1}"
+        self.tune(*ONE, "--technique", sweep, "--least", "error")
+        text = self.succeed("tune", *ONE, "--technique", sweep, "--size", "96x54", "--keep", "grid.csv")
+        self.assertIn("12 settings of shadow_map at 2 places: 24 evaluations", text)
+        head, *lines = (line.split(",") for line in (self.dir / "grid.csv").read_text().splitlines())
+        self.assertEqual(head[:4], ["shadow_map:resolution", "bias", "depth_bias", "slope_bias"])
+        self.assertEqual(len(lines), 12)
+        kept = {(*line[:4], head[k].removeprefix("error at ")): (line[k], line[k + 1]) for line in lines for k in (4, 6)}
+        default = {"resolution": "1024", "bias": "slope", "depth_bias": "0.25", "slope_bias": "1"}
+        compared = 0
+        for row in records(self.dir / "out"):
+            values = default | dict(item.split("=") for item in row["settings"].split(",") if item)
+            if (key := (*(values[name] for name in default), " ".join(row[k] for k in ("scene", "light", "view")))) in kept:
+                error, size = kept[key]
+                self.assertEqual(float(error), float(f"{row['metrics']['shape']['error']:.4g}"), key)
+                compared += 1
+        self.assertEqual(compared, 24)
+        text = self.succeed("tune", "--replay", "grid.csv", "--least", "error", "--seed", "3")
+        self.assertRegex(text, r"(?m)^grid +24 +\d+ ")
+        self.assertRegex(text, r"(?m)^[01] of 1 grids within 5 % of the best, [\d.]+ % of the evaluations asked, seed 3$")
+        self.refuse("tune", "--replay", "grid.csv", *ONE, "--least", "error", says=["--replay", "no --scene"])
+        self.refuse("tune", "--replay", "grid.csv", "--error", "1%", says=["no light_ms"])
+        self.refuse("tune", "--replay", "none.csv", "--least", "error", says=["none.csv"])
+        self.refuse("tune", *ONE, *MAPS, "--technique", "svbsp:*", "--keep", "two.csv", says=["--keep", "one technique"])
+        self.assertEqual([name for name in self.names(self.dir) if name.endswith(".csv") and "/" not in name], ["grid.csv"])
+
     def test_bad_input_is_refused_with_what_is_allowed(self):
         for arguments, says in (
             ([*ONE, "--error", "1%"], ["needs a technique"]),
