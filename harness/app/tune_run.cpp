@@ -43,8 +43,10 @@ Job Tuning::job_of(const Contender& contender, const Job& place) {
 }
 
 const Record* Tuning::record_of(const Contender& contender, const Job& place) {
-  const auto found = records_.find(job_of(contender, place).hash);
-  return found == records_.end() ? nullptr : &found->second;
+  const std::string hash = job_of(contender, place).hash;
+  if (const auto found = records_.find(hash); found != records_.end()) return &found->second;
+  const auto probed = probed_.find(hash);
+  return probed == probed_.end() ? nullptr : &probed->second.record;
 }
 
 std::vector<const Record*> Tuning::records_at(const Contender& contender, const std::vector<Job>& places) {
@@ -79,8 +81,7 @@ void Tuning::run_jobs(std::span<const Job> jobs, const Suite& suite, bool is_lim
   if (jobs.empty()) return;
   Progress progress(plan_.is_quiet);
   const auto seen = [&](const Record& record) { records_.insert_or_assign(record.job, record); };
-  const auto is_over = [&] { return is_limited && plan_.budget && seconds_since(start_) > *plan_.budget; };
-  folder_->add_rows(jobs, {suite, progress, seen, is_over});
+  folder_->add_rows(jobs, {suite, progress, seen, [&] { return is_limited && is_over(); }});
 }
 
 bool Tuning::answers(std::size_t space, const Job& place) {
@@ -138,11 +139,16 @@ std::vector<std::optional<TuneAnswer>> Tuning::ask(std::size_t space, std::span<
     jobs.push_back(job_of(contender_of({space, question.setting}), places_[question.place]));
     if (!records_.contains(jobs.back().hash)) unknown.push_back(jobs.back());
   }
+  drop_probed(space, unknown);
   run_jobs(select_jobs(plan_.run, std::move(unknown)), search_suite_, true);
   std::vector<std::optional<TuneAnswer>> answers;
   for (const Job& job : jobs) {
     const auto found = records_.find(job.hash);
-    answers.push_back(found == records_.end() ? std::nullopt : std::optional(tune_answer(found->second, plan_.goal)));
+    const auto probed = probed_.find(job.hash);
+    if (found != records_.end())
+      answers.emplace_back(tune_answer(found->second, plan_.goal));
+    else
+      answers.push_back(probed == probed_.end() ? std::nullopt : std::optional(probed->second.answer));
   }
   return answers;
 }
@@ -169,8 +175,10 @@ void Tuning::search() {
                                     .whole = is_whole() || count <= share,
                                     .most_asked = most_asked(count, share),
                                     .seed = plan_.seed};
+    if (has_probes()) probe_.emplace(plan_, plan_.spaces[space], library_);
     searches_[space] = search_grid(plan_.spaces[space].grid, options,
                                    [&](std::span<const TuneQuestion> questions) { return ask(space, questions); });
+    probe_.reset();
   }
 }
 

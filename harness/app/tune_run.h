@@ -48,6 +48,11 @@ class Tuning {
   std::vector<const Record*> records_at(const Contender& contender, const std::vector<Job>& places);
   std::vector<Job> earlier_jobs();
   void run_jobs(std::span<const Job> jobs, const Suite& suite, bool is_limited);
+  /// Whether times decide among settings whose masks must keep limits, and there are too many for a row of each.
+  bool has_probes() const;
+  void keep_probed(std::size_t space, const Job& job, const TuneProbe::Answer& said, double goal);
+  void drop_probed(std::size_t space, std::vector<Job>& unknown);
+  bool is_over() const { return plan_.budget && seconds_since(start_) > *plan_.budget; }
   void drop_unanswered();
   void hold_out();
   bool answers(std::size_t space, const Job& place);
@@ -68,6 +73,14 @@ class Tuning {
   std::map<std::size_t, TuneSearch> searches_;   ///< of active spaces
   std::map<std::string, std::size_t> ordinals_;  ///< of settings, by name, in the order in which they were asked
   std::map<std::string, Record> records_;        ///< by job
+  /// By job, what a probe says of settings that break a limit, or that are several times too slow: they need no row.
+  struct Probed {
+    TuneAnswer answer;
+    Record record;  ///< with error and bytes; it is not in the folder
+  };
+  std::map<std::string, Probed> probed_;
+  std::optional<TuneProbe> probe_;          ///< of the space that is searched
+  std::map<std::string, double> least_ms_;  ///< of what it asked and keeps the limits, by place
   std::optional<OpenRun> folder_;
   std::vector<std::string> notes_;
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();

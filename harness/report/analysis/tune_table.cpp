@@ -222,6 +222,7 @@ std::string foot_text(const TuneReport& report) {
 }  // namespace
 
 std::string number_text(const TuneNumber& number, double value) {
+  if (!std::isfinite(value)) return "-";  // it was not measured, for the setting breaks a limit
   const Column column = column_of(number);
   const bool has_unit = !column.shown_unit.empty() && column.shown_unit != "ratio" && column.shown_unit != "index";
   return shown(column, {.value = value}) + (has_unit ? " " + column.shown_unit : "");

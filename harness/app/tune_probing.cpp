@@ -1,0 +1,91 @@
+// Which settings need no row of their own: a probe of their masks says that they break a limit, or are far too slow.
+#include "app/tune_run.h"
+
+namespace gnomon::app {
+
+namespace {
+
+/// Calls of a probe are first calls, which take less than twice as long as later ones.
+constexpr double far_too_slow = 4;
+
+/// A number that a mask has without noise, as a probe answers it.
+bool is_probed(const TuneNumber& number) { return number.name == "error" || number.name == "bytes"; }
+
+/// By the limits that a probe can judge.
+double beyond(const TuneGoal& goal, const KeptGrid::Numbers& numbers) {
+  double most = -1;
+  for (const TuneLimit& limit : goal.each)
+    if (is_probed(limit.number))
+      most = std::max(most, limit.beyond(limit.number.name == "error" ? numbers.error : numbers.bytes));
+  return most;
+}
+
+/// Of a job, but for its contender.
+std::string place_title(const Job& job) { return fmt::format("{} {} {}", job.scene, job.light, job.view); }
+
+/// Whether relight and resolve tell how slow a setting is, and all limits are judged by its mask.
+bool is_told_by_light(const TuneGoal& goal) {
+  const bool is_judged = std::ranges::all_of(goal.each, [](const TuneLimit& limit) { return is_probed(limit.number); });
+  return is_judged && (goal.least.cost == Cost::light || goal.least.name == "resolve_ms");
+}
+
+}  // namespace
+
+bool Tuning::has_probes() const {
+  return !is_whole() && !is_shard() && plan_.goal.least.is_time() &&
+         std::ranges::any_of(plan_.goal.each, [](const TuneLimit& limit) { return is_probed(limit.number); });
+}
+
+void Tuning::keep_probed(std::size_t space, const Job& job, const TuneProbe::Answer& said, double goal) {
+  const TuneAnswer answer{
+      .goal = goal, .beyond = beyond(plan_.goal, said.numbers), .gain = said.constant_error - said.numbers.error};
+  Record record = *record_of(contender_of({space, plan_.spaces[space].grid.base()}), job);
+  record.job = job.hash;
+  record.settings = job.contender.settings;
+  record.parameters = json_object();
+  record.stages = record.device_stages = record.harness_stages = {};
+  record.metrics[record.truth] = {{"error", said.numbers.error}, {"constant_error", said.constant_error}};
+  record.bytes = static_cast<std::uint64_t>(said.numbers.bytes);
+  probed_.insert_or_assign(job.hash, Probed{answer, std::move(record)});
+}
+
+/// Asks the probe for these jobs, and takes out those that it answers well enough.
+void Tuning::drop_probed(std::size_t space, std::vector<Job>& unknown) {
+  if (!probe_) return;
+  struct Kept {
+    TuneProbe::Answer said;
+    double ms;
+  };
+  std::map<std::string, Kept> kept;  // those that keep the limits, by job
+  const bool has_times = is_told_by_light(plan_.goal);
+  Progress progress(plan_.is_quiet);
+  progress.expect(static_cast<double>(unknown.size()));
+  std::erase_if(unknown, [&](const Job& job) {
+    progress.advance(1);
+    if (probed_.contains(job.hash) || is_over()) return true;
+    try {
+      const std::optional<TuneProbe::Answer> said = probe_->ask(job.contender.settings, job);
+      if (!said) return false;
+      if (beyond(plan_.goal, said->numbers) > 0) {
+        keep_probed(space, job, *said, INFINITY);
+        return true;
+      }
+      if (!has_times) return false;
+      const double ms = (plan_.goal.least.cost == Cost::light ? said->relight_ms : 0) + said->resolve_ms;
+      kept.emplace(job.hash, Kept{*said, ms});
+      const auto [least, is_first] = least_ms_.try_emplace(place_title(job), ms);
+      least->second = std::min(least->second, ms);
+    } catch (const WorkerFailure&) {  // its row says why
+      probe_->forget();
+    }
+    return false;
+  });
+  std::erase_if(unknown, [&](const Job& job) {
+    const auto found = kept.find(job.hash);
+    if (found == kept.end() || found->second.ms <= far_too_slow * least_ms_.at(place_title(job))) return false;
+    keep_probed(space, job, found->second.said, found->second.ms);
+    return true;
+  });
+}
+
+}  // namespace gnomon::app
