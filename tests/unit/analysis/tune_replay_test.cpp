@@ -3,8 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <filesystem>
 
 #include "error_words.h"
+#include "measure/run/suite.h"
+#include "places.h"
 
 namespace tune_replay_test {
 
@@ -70,6 +73,39 @@ TEST(tune_replay, a_search_ends_at_the_best_of_a_valley) {
   const TuneReplay bytes = replay(kept, {.least = tuned_number("cost=bytes"), .each = tune_limits("error<=0.5")}, 1);
   EXPECT_EQ(kept.space.settings(bytes.best), "resolution=2048,depth_bias=1");
   EXPECT_EQ(bytes.best_standing.goal, 4.0 * 1024 * 1024);
+}
+
+/// The grids that scripts/results keeps.
+std::vector<KeptGrid> kept_grids() {
+  std::vector<KeptGrid> grids;
+  for (const auto& entry : std::filesystem::directory_iterator(tree_file("results/tune_grids")))
+    if (entry.path().extension() == ".csv") grids.push_back(read_kept_grid(file_text(entry.path()), entry.path().stem()));
+  return grids;
+}
+
+/// How many of the grids come within 5 % of the best, where a fifth of the evaluations is asked.
+int near_best(std::span<const KeptGrid> grids, const std::function<TuneGoal(const KeptGrid&)>& goal_of) {
+  int near = 0;
+  for (const KeptGrid& kept : grids) {
+    const TuneReplay one = replay(kept, goal_of(kept), 1);
+    EXPECT_LE(static_cast<double>(one.asked), kept.possible() / 5) << kept.name;
+    EXPECT_GE(one.ratio(), 1) << kept.name;
+    near += one.ratio() <= 1.05;
+  }
+  return near;
+}
+
+TEST(tune_replay, a_fifth_of_measured_grids_finds_the_best_of_all_but_one_in_twelve) {
+  const std::vector<KeptGrid> grids = kept_grids();
+  ASSERT_FALSE(grids.empty());
+  const int least_near = static_cast<int>(grids.size() - grids.size() / 12);
+  for (const KeptGrid& kept : grids) EXPECT_GT(kept.possible(), most_evaluations) << kept.name;
+  const TuneGoal least{.least = tuned_number("error"), .each = {}};
+  EXPECT_GE(near_best(grids, [&](const KeptGrid&) { return least; }), least_near);
+  const auto bytes = [](const KeptGrid&) {
+    return TuneGoal{.least = tuned_number("cost=bytes"), .each = tune_limits("error<=5%")};
+  };
+  EXPECT_GE(near_best(grids, bytes), least_near);
 }
 
 }  // namespace tune_replay_test
