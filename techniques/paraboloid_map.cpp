@@ -96,6 +96,7 @@ class ParaboloidMap final : public Technique {
   }
   std::unique_ptr<Technique> for_another_light() const override { return another(*this, &ParaboloidMap::made_); }
   std::optional<Explanation> explain(std::size_t index) const override;
+  std::vector<std::uint32_t> image_parts() const override;
   std::vector<DebugLayer> debug_layers() const override {
     return {{"map", "Both images, what is in front of the axis on the left: the nearer, the lighter; black where nothing is."}};
   }
@@ -222,6 +223,16 @@ std::optional<Explanation> ParaboloidMap::explain(std::size_t index) const {
   const double met = made_->rays->closest_caster(place_, direction).t;
   if ((stored < r - why.bias) != (met < r - why.bias)) why.cause = causes[0].id;
   return why;
+}
+
+// By the plane between both images, 1 in front of the axis and 2 behind it; next to it the shader's float32 may say otherwise.
+std::vector<std::uint32_t> ParaboloidMap::image_parts() const {
+  const glm::dvec3 ahead = axes()[2];
+  std::vector<std::uint32_t> parts(gbuffer_->size());
+  for (std::size_t i = 0; i < parts.size(); ++i)
+    if (faces_light(*made_->scene, *gbuffer_, light_, i))
+      parts[i] = glm::dot(ahead, glm::dvec3(gbuffer_->position(i)) - place_) < 0 ? 2 : 1;
+  return parts;
 }
 
 std::vector<float> ParaboloidMap::draw_debug(std::string_view layer) const {

@@ -48,8 +48,8 @@ std::vector<SeamErrors> find_seams(std::span<const Record> records) {
   }
   if (rows.empty())
     throw Error(
-        "no row of these records has seams: slices of cascaded_map, six faces of a map under a point light and pages of "
-        "virtual_map have, in runs of this version");
+        "no row of these records has seams: slices of cascaded_map, six faces of a map under a point light, both images of "
+        "paraboloid_map and pages of virtual_map have, in runs of this version");
   return rows;
 }
 

@@ -1,6 +1,8 @@
 #include <gnomon/kit/geometry/shapes.h>
 #include <gtest/gtest.h>
 
+#include <array>
+
 #include "device/context.h"
 #include "measure/conformance/gl_state.h"
 #include "small_world.h"
@@ -91,6 +93,31 @@ TEST_F(ParaboloidMap, rays_of_texels_pass_their_points) {
       ++seen;
     }
     EXPECT_GT(seen, 2000) << axis;
+  }
+}
+
+// Two parts meet in the plane through the light across the axis, and in the room around it each sees about half of what faces
+// the light. The image of a point's texel is that of its part.
+TEST_F(ParaboloidMap, parts_are_the_half_spaces_of_the_axis) {
+  Scene scene;
+  scene.meshes = {small_world::ground(5), small_world::box({-3, -2, -3}, {3, 5, 3})};
+  scene.meshes[1].casts = false;
+  const GBuffer g = small_world::make_gbuffer(scene, {.eye = {2, 1.5f, 2}, .target = {-1, 2.2f, -1}}, 120, 90);
+  const glm::dvec3 place(std::get<PointLight>(light.kind).position);
+  for (const int axis : {0, 1, 2}) {
+    const auto map = run(fmt::format("resolution=256,axis={}", "xyz"[axis]), scene, light, g);
+    const std::vector<std::uint32_t> parts = map.technique->image_parts();
+    ASSERT_EQ(parts.size(), g.size());
+    std::array<int, 3> counted{};
+    for (std::size_t i = 0; i < g.size(); ++i) {
+      const bool is_behind = g.position(i)[axis] < place[axis];
+      ASSERT_EQ(parts[i], !faces_light(scene, g, light, i) ? 0u : is_behind ? 2u : 1u) << axis << ' ' << i;
+      ++counted[parts[i]];
+      if (parts[i] == 0 || std::abs(g.position(i)[axis] - place[axis]) < 0.1) continue;
+      EXPECT_EQ(map.technique->explain(i)->taps[0].direction[axis] < 0, is_behind) << axis << ' ' << i;
+    }
+    EXPECT_GT(counted[1], 500) << axis;
+    EXPECT_GT(counted[2], 500) << axis;
   }
 }
 
