@@ -16,8 +16,10 @@ namespace {
 /// For each kind of analysis or figure: the options that it takes beside those that every kind takes.
 const std::map<std::string, std::vector<std::string>> taken_options{
     {"growth", {"--x", "--error"}},
+    {"forecast", {"--x", "--to", "--cost"}},
     {"front", {"--error", "--cost", "--all", "--over-all"}},
     {"best", {"--error", "--cost", "--times", "--memories", "--errors", "--over-all"}},
+    {"enough", {"--error", "--cost", "--errors", "--over-all"}},
     {"rank", {"--error", "--cost", "--all-pairs"}},
     {"map", {"--x", "--y", "--facet", "--error"}},
     {"motion", {"--error"}},
@@ -72,7 +74,7 @@ void add_shared_options(Command& command, const std::string& kinds, Options& opt
   command.option("--filter", &options.filter,
                  "Only rows whose 'SCENE LIGHT [VIEW] [PATH] TECHNIQUE:SETTINGS' matches this expression");
   command.option("--x", &analysis.x,
-                 "growth: triangles, pixels, lights or a numeric parameter; map: a parameter; sweep: a numeric one");
+                 "growth, forecast: triangles, pixels, lights or a numeric parameter; map: a parameter; sweep: a numeric one");
   command.option("--y", &analysis.y, "map: the second parameter");
   command.option("--facet", &analysis.facet, "map: the third parameter, one map for each of its values");
   command.option("--error,--metric", &analysis.metric,
@@ -173,17 +175,19 @@ void add_analyze(Program& program) {
   auto [command, options] = program.line.command<AnalyzeOptions>(
       "analyze",
       "What a run says of growth, fronts, budgets, pairs, parameters, motion and seams: DIR... "
-      "growth|front|best|rank|map|motion|sweep|seams",
+      "growth|forecast|front|best|enough|rank|map|motion|sweep|seams",
       print_analysis);
-  add_shared_options(command, "growth, front, best, rank, map, motion, sweep or seams", options);
+  add_shared_options(command, "growth, forecast, front, best, enough, rank, map, motion, sweep or seams", options);
   command.option("--format", &options.format, "terminal, md, csv, tex or json");
   command.option("--times", &options.analysis.times, "best: budgets in ms", {.check = above_zero(), .delimiter = ','});
   command.option("--memories", &options.analysis.memories, "best: budgets in MiB", {.check = above_zero(), .delimiter = ','});
-  command.option("--errors", &options.analysis.errors, "best: budgets in the unit that tables show",
+  command.option("--to", &options.analysis.to, "forecast: where on the axis; four times the greatest that was measured",
+                 {.check = above_zero()});
+  command.option("--errors", &options.analysis.errors, "best, enough: budgets in the unit that tables show",
                  {.check = above_zero(), .delimiter = ','});
   command.flag("--all", &options.analysis.all, "front: beaten settings too");
   command.flag("--all-pairs", &options.analysis.all_pairs, "rank: every pair, not only the best against each");
-  command.flag("--over-all", &options.analysis.over_all, "front, best: only what is over all places");
+  command.flag("--over-all", &options.analysis.over_all, "front, best, enough: only what is over all places");
   add_paper_options(command, options.table, options.paper);
   add_width_options(command, options.width);
 }

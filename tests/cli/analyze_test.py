@@ -109,7 +109,7 @@ class Analyze(ProgramTest):
 
     def test_an_option_that_a_kind_does_not_take_is_refused(self):
         run = self.run_of(record(settings="a=1,b=1"), record(settings="a=2,b=1"), record(settings="a=1,b=2"))
-        self.refuse("analyze", run, "front", "--x", "a", says=["--x is for growth, map and sweep; front does not take it"])
+        self.refuse("analyze", run, "front", "--x", "a", says=["--x is for growth, forecast, map and sweep; front does not take it"])
         self.refuse("figure", run, "causes", "--error", "wrong_rate", "--script", says=["--error is for", "causes does not take it"])
         self.refuse("analyze", run, "front", "--times", "1", says=["--times is for best"])
         self.refuse("analyze", run, "best", "--cost", "bytes", says=["--cost bytes", "--memories"])
@@ -309,7 +309,7 @@ class Analyze(ProgramTest):
         self.refuse("analyze", run, "motion", says=["no row of these records follows a path"])
         self.refuse("analyze", run, "front", "--filter", "no such row", says=["holds no record that matches no such row"])
         self.refuse("analyze", run, "front", "--filter", "(", says=["--filter ( is not a regular expression"])
-        self.refuse("analyze", "front", says=["a run's folder and a kind", "growth, front, best, rank, map, motion, sweep, seams"])
+        self.refuse("analyze", "front", says=["a run's folder and a kind", "growth, forecast, front, best, enough, rank, map, motion, sweep, seams"])
         self.refuse("analyze", "nowhere", "front", says=["nowhere"])
 
     def test_the_shipped_run_has_a_front_over_all_its_scenes(self):

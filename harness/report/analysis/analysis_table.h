@@ -10,16 +10,19 @@ namespace gnomon {
 
 /// Options of `gnomon analyze` and `gnomon figure` beside the kind.
 struct AnalysisOptions {
-  std::string x = {}, y = {}, facet = {};  ///< growth: the axis, `triangles` by default; map, sweep: parameters
-  std::string metric = "error";            ///< a quantity, see analysis.h
-  std::string growing = {};                ///< growth: a quantity; times by default
+  /// growth: the axis, `triangles` by default; forecast: the same, `lights` by default; map, sweep: parameters
+  std::string x = {}, y = {}, facet = {};
+  std::string metric = "error";  ///< a quantity, see analysis.h
+  std::string growing = {};      ///< growth: a quantity; times by default
+  double to = 0;                 ///< forecast: where on the axis; 0: at four times the greatest x
   Cost cost = Cost::light;
   std::optional<Cost> only_cost = {};  ///< rank: by default each
   bool all_pairs = false;              ///< rank: by default the best against each
-  /// Budgets of `best` in the units that tables show: ms, MiB, and % or the metric's unit. All empty: round numbers.
+  /// Budgets of `best`, and of `enough` those of error, in the units that tables show: ms, MiB, and % or the metric's unit. All
+  /// empty: round numbers.
   std::vector<double> times = {}, memories = {}, errors = {};
   bool all = false;       ///< people too see rows that are beaten
-  bool over_all = false;  ///< front, best: only what is over all places
+  bool over_all = false;  ///< front, best, enough: only what is over all places
 };
 
 /// The kinds of analysis, for messages.

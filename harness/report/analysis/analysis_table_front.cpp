@@ -3,7 +3,7 @@
 #include <numeric>
 
 #include "measure/counted.h"
-#include "report/analysis/analysis_table_parts.h"
+#include "report/analysis/analysis_table_fields.h"
 #include "report/table/digits.h"
 
 namespace gnomon::analysis {
@@ -20,7 +20,8 @@ std::string field_heading(const Field& field, std::span<const Place> places, boo
                      is_mixed ? fmt::format(" under {}", lights_text(field.answer)) : "", constant);
 }
 
-/// The column of a cost in milliseconds or bytes.
+}  // namespace
+
 Column cost_column(Cost cost) {
   Column column = quantity_column(cost == Cost::bytes ? "bytes" : "resolve_ms");
   column.name = cost == Cost::bytes ? "bytes" : "cost_ms";
@@ -28,21 +29,11 @@ Column cost_column(Cost cost) {
   return column;
 }
 
-/// Candidates by cost, those without one last.
-std::vector<std::size_t> order_by_cost(const Field& field) {
-  std::vector<std::size_t> order(field.candidates.size());
-  std::iota(order.begin(), order.end(), 0);
-  const auto cost_of = [&](std::size_t i) { return field.candidates[i].cost ? field.candidates[i].cost->value : INFINITY; };
-  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return cost_of(a) < cost_of(b); });
-  return order;
-}
-
 bool has_floor(std::span<const Field> fields) {
   const auto is_floored = [](const Candidate& c) { return c.floor.has_value(); };
   return std::ranges::any_of(fields, [&](const Field& field) { return std::ranges::any_of(field.candidates, is_floored); });
 }
 
-/// The floor, where a field has one, follows the error; people read the best constant mask above the rows.
 void add_error_columns(std::vector<Column>& columns, const Column& error, std::span<const Field> fields) {
   columns.push_back(error);
   if (has_floor(fields)) columns.push_back(quantity_column(error.name + "_floor"));
@@ -60,6 +51,43 @@ void add_error_notes(Layout& table, const Column& error, std::span<const Field> 
     table.notes.push_back(fmt::format("{}: {}", quantity_column(error.name + "_floor").heading, floor_note));
   if (std::ranges::any_of(fields, [](const Field& field) { return field.constant.has_value(); }))
     table.notes.push_back(fmt::format("best constant mask: {}", constant_note));
+}
+
+Layout table_of(std::span<const Field> fields, std::string title, std::vector<Column> columns) {
+  Layout table{.title = std::move(title), .columns = std::move(columns)};
+  std::vector<Place> places;
+  for (const Field& field : fields)
+    if (field.place) places.push_back(*field.place);
+  const bool is_mixed = std::ranges::any_of(fields, [&](const Field& field) { return field.answer != fields.front().answer; });
+  for (const Field& field : fields) {
+    table.groups.push_back({.heading = field_heading(field, places, is_mixed)});
+    table.notes.insert(table.notes.end(), field.notes.begin(), field.notes.end());
+  }
+  return table;
+}
+
+std::vector<Field> fields_of(std::span<const Record> records, const AnalysisOptions& options) {
+  std::vector<Field> fields = find_fields(records, {.error = options.metric, .cost = options.cost});
+  if (!options.over_all) return fields;
+  std::vector<Field> chosen;
+  for (const Field* field : overall_fields(fields)) chosen.push_back(*field);
+  return chosen;
+}
+
+std::string error_budget_text(const Column& error, double budget, std::string_view direction) {
+  return fmt::format("{} {} {}{}{}", error.heading, direction == "higher" ? "≥" : "≤", exact(budget * error.shown_scale),
+                     error.shown_unit.empty() ? "" : " ", error.shown_unit);
+}
+
+namespace {
+
+/// Candidates by cost, those without one last.
+std::vector<std::size_t> order_by_cost(const Field& field) {
+  std::vector<std::size_t> order(field.candidates.size());
+  std::iota(order.begin(), order.end(), 0);
+  const auto cost_of = [&](std::size_t i) { return field.candidates[i].cost ? field.candidates[i].cost->value : INFINITY; };
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return cost_of(a) < cost_of(b); });
+  return order;
 }
 
 std::vector<Column> front_columns(const Column& error, const Column& cost, std::span<const Field> fields) {
@@ -92,29 +120,6 @@ Cells front_cells(const Field& field, const Candidate& c, const FrontEntry& stan
                              c.cost && c.relative_cost.value > 0 ? Cell{.value = c.relative_cost.value} : Cell{},
                              shown_text(name(stand.standing), standing_text(c, stand)), text_cell(stand.beaten_by)});
   return cells;
-}
-
-/// The table of all fields, a group each, without rows yet.
-Layout table_of(std::span<const Field> fields, std::string title, std::vector<Column> columns) {
-  Layout table{.title = std::move(title), .columns = std::move(columns)};
-  std::vector<Place> places;
-  for (const Field& field : fields)
-    if (field.place) places.push_back(*field.place);
-  const bool is_mixed = std::ranges::any_of(fields, [&](const Field& field) { return field.answer != fields.front().answer; });
-  for (const Field& field : fields) {
-    table.groups.push_back({.heading = field_heading(field, places, is_mixed)});
-    table.notes.insert(table.notes.end(), field.notes.begin(), field.notes.end());
-  }
-  return table;
-}
-
-/// The fields of the records; on request only those over all places, where there is but one place that one.
-std::vector<Field> fields_of(std::span<const Record> records, const AnalysisOptions& options) {
-  std::vector<Field> fields = find_fields(records, {.error = options.metric, .cost = options.cost});
-  if (!options.over_all) return fields;
-  std::vector<Field> chosen;
-  for (const Field* field : overall_fields(fields)) chosen.push_back(*field);
-  return chosen;
 }
 
 /// What `best` limits and shows: the columns of its quantities.
@@ -151,10 +156,9 @@ std::vector<Column> best_columns(const AnalysisOptions& options, const BestColum
 
 /// "error ≤ 0.5 %", "time ≤ 2 ms".
 std::string budget_text(const Best& best, const BestColumns& columns, std::string_view direction) {
-  const bool is_error = best.what == "error";
-  const Column& limited = is_error ? columns.error : best.what == "time" ? columns.time : columns.bytes;
-  return fmt::format("{} {} {}{}{}", is_error ? limited.heading : best.what, is_error && direction == "higher" ? "≥" : "≤",
-                     exact(best.budget * limited.shown_scale), limited.shown_unit.empty() ? "" : " ", limited.shown_unit);
+  if (best.what == "error") return error_budget_text(columns.error, best.budget, direction);
+  const Column& limited = best.what == "time" ? columns.time : columns.bytes;
+  return fmt::format("{} ≤ {} {}", best.what, exact(best.budget * limited.shown_scale), limited.shown_unit);
 }
 
 Cells best_cells(const Field& field, const Best& best, const BestColumns& columns, std::string_view direction,

@@ -59,6 +59,8 @@ Tables rank_tables(std::span<const Record> records, const AnalysisOptions& optio
 Tables map_tables(std::span<const Record> records, const AnalysisOptions& options, Format format);
 Tables motion_tables(std::span<const Record> records, const AnalysisOptions& options, Format format);
 Tables sweep_tables(std::span<const Record> records, const AnalysisOptions& options, Format format);
+Tables forecast_tables(std::span<const Record> records, const AnalysisOptions& options, Format format);
+Tables enough_tables(std::span<const Record> records, const AnalysisOptions& options, Format format);
 Tables seams_tables(std::span<const Record> records, const AnalysisOptions& options, Format format);
 
 }  // namespace gnomon::analysis
