@@ -68,7 +68,10 @@ ComparedMap::ComparedMap(const Defaults& defaults)
             "all. For what stores the first surface."),
       depth_bits(this, "depth_bits", "32", {"16", "24", "32"}, Stage::relight,
                  "What a texel stores depth in: 16 or 24 bits of fixed point, or a float of 32 bits. For what stores the first "
-                 "surface.") {}
+                 "surface."),
+      depth_order(this, "depth_order", "reversed", {"reversed", "forward"}, Stage::setup,
+                  "Whether depth falls from 1 next to the light, or rises to 1 far from it, where a float has the steps of 24 "
+                  "bits. For what stores the first surface.") {}
 
 const BiasPreset* ComparedMap::preset() const {
   constexpr int first = static_cast<int>(MapComparison::Bias::preset);
@@ -100,7 +103,8 @@ Support ComparedMap::supports(const Scene& scene, const Light& light, const View
 }
 
 Program ComparedMap::resolve_program(LightProjection projection, Purpose purpose) const {
-  const std::string head = fmt::format("{}{}#define DECIDED_EARLY {}\n", light_map_head(projection, images()),
+  const std::string head = fmt::format("{}{}{}#define DECIDED_EARLY {}\n", light_map_head(projection, images()),
+                                       order() == DepthOrder::forward ? "#define FORWARD_DEPTH\n" : "",
                                        comparison_head(comparison(light_)), decided_early);
   const std::string by_more = decision(), constants = comparison_constants(projection, images());
   const std::string text = fmt::format("{}{}{}{}{}", head, light_map_snippet, comparison_snippet, filter_snippet,
@@ -137,20 +141,25 @@ void ComparedMap::update(const Scene& scene, const Changes& changes) {
   made_->glass_difference = {scene, glass.as()};
 }
 
+// Between 1/2 and 1, where nearly all of a range around a light lies, a float has steps of 2^-24. A vertex is rounded to one
+// when it is subtracted from 1, the plane between vertices is, and what is stored is: together no more than four halves.
+int ComparedMap::rounding_bits() const { return bits() == 32 && order() == DepthOrder::forward ? 22 : bits(); }
+
 Support ComparedMap::coarse_depth(const Scene& scene, const Light& light, const Support& support) const {
-  if (!support || bits() == 32) return support;
+  if (!support || rounding_bits() == 32) return support;
   double step = 0;
+  const bool is_float = bits() == 32;
   for (const LightImage& image : fit_to_scene(light, mesh_boxes(scene), resolution, comparison(light).margin()).images)
-    if (!image.casters.empty()) step = std::max(step, 2 * half_depth_step(bits(), image, image.far));
+    if (!image.casters.empty()) step = std::max(step, 2 * half_depth_step(is_float ? 24 : bits(), image, image.far));
   if (step < 1) return support;
-  return Support::approximate(fmt::format("{} bits of depth leave steps of {:.2g} m where the scene ends", bits(), step));
+  const std::string what = is_float ? "floats of forward depth" : fmt::format("{} bits of depth", bits());
+  return Support::approximate(fmt::format("{} leave steps of {:.2g} m where the scene ends", what, step));
 }
 
 void ComparedMap::relight(const Light& light) {
   const StateGuard guard;
-  made_->depth_images.use_format(bits() == 16   ? GL_DEPTH_COMPONENT16
-                                 : bits() == 24 ? GL_DEPTH_COMPONENT24
-                                                : GL_DEPTH_COMPONENT32F);
+  const GLenum format = bits() == 16 ? GL_DEPTH_COMPONENT16 : bits() == 24 ? GL_DEPTH_COMPONENT24 : GL_DEPTH_COMPONENT32F;
+  made_->depth_images.use_format(format, order());
   light_ = light;
   depths_.still.start_relight(made_->depth_images.moving(), update_by);
   made_->depth_images.use_alpha(alpha.rule());
@@ -166,8 +175,8 @@ void ComparedMap::draw_images(LightCamera&& camera) {
   double step = 0;  // of any image: what shaders and texels round is one number of a camera, which grows with z^2 / (near far)
   for (const LightImage& image : camera_.images)
     if (image.layer >= 0)
-      step =
-          std::max(step, half_depth_step(bits(), image, image.is_perspective ? std::sqrt(image.near * image.far) : image.far));
+      step = std::max(
+          step, half_depth_step(rounding_bits(), image, image.is_perspective ? std::sqrt(image.near * image.far) : image.far));
   camera_.rounding += step;
   drawn_triangles_ = draw(depths_, made_->depth_images.hole_test());
   images_drawn(camera_);

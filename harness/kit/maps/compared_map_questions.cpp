@@ -35,7 +35,10 @@ void ComparedMap::start_questions() const {
 
 const std::vector<float>& ComparedMap::depths() const {
   start_questions();
-  if (made_->read_depths.empty()) made_->read_depths = read_texels<float>(map(depths_), GL_DEPTH_COMPONENT);
+  if (!made_->read_depths.empty()) return made_->read_depths;
+  made_->read_depths = read_texels<float>(map(depths_), GL_DEPTH_COMPONENT);
+  if (order() == DepthOrder::forward)
+    for (float& depth : made_->read_depths) depth = 1 - depth;  // as the shader does
   return made_->read_depths;
 }
 

@@ -113,7 +113,10 @@ std::size_t DepthImages::draw(CasterPrograms& programs, const LightCamera& camer
   glViewport(0, 0, camera.resolution, camera.resolution);
   glEnable(GL_DEPTH_TEST);
   glEnable(GL_DEPTH_CLAMP);
-  glDepthFunc(GL_GREATER);
+  // The same clip coordinates: what differs is where the window's transform rounds.
+  const bool is_forward = order_ == DepthOrder::forward;
+  glDepthFunc(is_forward ? GL_LESS : GL_GREATER);
+  if (is_forward) glDepthRange(1, 0);
   std::size_t triangles = 0;
   std::vector<std::uint32_t> solid, all;
   for (const LightImage& image : camera.images) {
@@ -127,7 +130,7 @@ std::size_t DepthImages::draw(CasterPrograms& programs, const LightCamera& camer
     }
     if (which == Which::moving && solid.empty() && all.empty()) continue;
     glNamedFramebufferTextureLayer(framebuffer, GL_DEPTH_ATTACHMENT, target.name(), 0, image.layer);
-    const float infinitely_far = 0;
+    const float infinitely_far = is_forward ? 1 : 0;
     if (which != Which::moving) glClearNamedFramebufferfv(framebuffer, GL_DEPTH, 0, &infinitely_far);
     programs.set("clip_from_world", glm::mat4(image.clip_from_world(camera.resolution, camera.shift)));
     programs.set_if_used("shift", camera.shift);
@@ -141,6 +144,7 @@ std::size_t DepthImages::draw(CasterPrograms& programs, const LightCamera& camer
     glDisable(GL_CULL_FACE);
   }
   glFrontFace(GL_CCW);
+  glDepthRange(0, 1);
   glDisable(GL_DEPTH_CLAMP);
   glDisable(GL_DEPTH_TEST);
   glNamedFramebufferTexture(framebuffer, GL_DEPTH_ATTACHMENT, 0, 0);

@@ -163,6 +163,9 @@ float stored_depth(vec2 texel) {
   ivec2 size = textureSize(light_map, 0).xy;
   bool inside = all(lessThan(uvec2(ivec2(texel)), uvec2(size)));
   float depth = inside ? textureLod(light_map, vec3((texel + 0.5) / vec2(size), light_facts.x), 0).r : 0;
+#ifdef FORWARD_DEPTH
+  depth = inside ? 1 - depth : 0;
+#endif
 #ifdef WARPED
   depth /= 1 - light_warp.z / light_window.y * (texel.y + 0.5 - light_window.w);
 #endif

@@ -1,5 +1,8 @@
 // What texels store depth in, and which faces of closed casters they show.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
+
+#include <tuple>
 
 #include "device/context.h"
 #include "measure/conformance/gl_state.h"
@@ -108,6 +111,100 @@ TEST_F(ShadowMapBits, back_faces_leave_the_lit_side_alone) {
   open.meshes[1].triangles.resize(2);
   finish(open.meshes[1]);
   EXPECT_EQ(run("faces=back", open, sun, g).mask, run("faces=front", open, sun, g).mask);
+}
+
+/// A ground a hundred meters below a lamp that leans by a tenth, a box on it, and a mote one centimeter before the lamp. Images
+/// begin no nearer than 1/1024 of their far end. The mote's shadow is 20 cm wide.
+Scene mote_before_lamp() {
+  Scene scene;
+  scene.meshes = {
+      small_world::make_mesh({{-4, -0.4f, -4}, {-4, -0.4f, 4}, {4, 0.4f, 4}, {4, 0.4f, -4}}, {{0, 1, 2}, {0, 2, 3}}),
+      small_world::box({1, 0, 1}, {2, 1, 2}), small_world::box({-1e-5f, 99.985f, -1e-5f}, {1e-5f, 99.99f, 1e-5f})};
+  return scene;
+}
+const Light lamp{.name = "lamp", .kind = PointLight{{0, 100, 0}}};
+const View before_box{.eye = {3, 5, 6}, .target = {0, 0.3f, 0}};
+
+/// Pixels of the leaning ground that see the lamp.
+std::vector<std::size_t> lit_ground(const Scene& scene, const GBuffer& g) {
+  std::vector<std::size_t> found;
+  for (std::size_t i = 0; i < g.size(); ++i) {
+    const glm::dvec3 p = g.position(i);
+    const bool is_aside = glm::length(glm::dvec2(p.x, p.z)) > 0.4 && std::min(p.x, p.z) < 0.8;
+    if (is_aside && std::abs(p.y - 0.1 * p.x) < 1e-4 && faces_light(scene, g, lamp, i)) found.push_back(i);
+  }
+  return found;
+}
+
+// Around a light depth is near / z. Reversed, a float tells 2^-24 of it apart everywhere, z / 2^24 = 6 um; forward, 1 less it,
+// only 2^-24 of the range, z^2 / (near 2^24) = 1024 z / 2^24 = 6 mm. What is stored may be off by two such steps.
+TEST_F(ShadowMapBits, forward_floats_have_the_steps_of_24_bits) {
+  const Scene scene = mote_before_lamp();
+  const GBuffer g = small_world::make_gbuffer(scene, before_box, 96, 72);
+  const std::vector<std::size_t> pixels = lit_ground(scene, g);
+  EXPECT_GT(pixels.size(), 1000u);
+  const double step = 100 * 1024 * 0x1p-24;
+  for (const auto& [order, least, most] :
+       {std::tuple("reversed", 0.0, step / 16), std::tuple("forward", 0.25 * step, 2 * step)}) {
+    const auto map = run(fmt::format("resolution=512,depth_order={}", order), scene, lamp, g);
+    double off = 0;
+    for (const std::size_t i : pixels) {
+      const Tap tap = map.technique->explain(i)->taps.at(0);
+      const glm::dvec3 up = glm::dvec3(-0.1, 1, 0);  // across the ground, which holds the origin
+      off = std::max(off, std::abs(tap.stored + glm::dot(up, tap.origin) / glm::dot(up, tap.direction)));
+    }
+    EXPECT_GE(off, least) << order;
+    EXPECT_LE(off, most) << order;
+  }
+}
+
+// A bias of a quarter of a texel, 1 mm, holds the 0.3 mm that a texel of the ground spreads by, and not 6 mm of forward depth.
+// The plane of the receiver knows of them.
+TEST_F(ShadowMapBits, forward_floats_have_acne_far_from_a_lamp_that_something_is_close_to) {
+  const Scene scene = mote_before_lamp();
+  const GBuffer g = small_world::make_gbuffer(scene, before_box, 96, 72);
+  const std::vector<std::size_t> pixels = lit_ground(scene, g);
+  const auto dark = [&](const std::string& settings) {
+    const auto map = run("resolution=2048," + settings, scene, lamp, g);
+    return std::ranges::count_if(pixels, [&](std::size_t i) { return map.mask[i] == 0; });
+  };
+  const std::string constant = "bias=constant,depth_bias=0.25,depth_order=";
+  EXPECT_EQ(dark(constant + "reversed"), 0);
+  EXPECT_GT(dark(constant + "forward"), 100);
+  EXPECT_EQ(dark("bias=receiver_plane,depth_bias=0,depth_order=forward"), 0);
+}
+
+// Under parallel rays depth is linear, and floats are as fine at one end as at the other. Fixed point has the same steps both
+// ways. What stores a second surface stays reversed.
+TEST_F(ShadowMapBits, orders_are_alike_under_parallel_rays_and_in_fixed_point) {
+  const Scene scene = tower(2);
+  const GBuffer g = small_world::make_gbuffer(scene, view, 96, 72);
+  const Light point{.name = "point", .kind = PointLight{{3, 4, 1}}};
+  const auto differing = [&](const std::string& settings, const Light& light) {
+    const auto reversed = run("resolution=256," + settings, scene, light, g),
+               forward = run("resolution=256,depth_order=forward," + settings, scene, light, g);
+    int count = 0;
+    for (std::size_t i = 0; i < g.size(); ++i) count += reversed.mask[i] != forward.mask[i];
+    return count;
+  };
+  for (const std::string bits : {"16", "24", "32"}) EXPECT_LE(differing("depth_bits=" + bits, noon), 2) << bits;
+  for (const std::string bits : {"16", "24"}) EXPECT_LE(differing("depth_bits=" + bits, point), 2) << bits;
+  for (const std::string stored : {"second", "midpoint", "dual"}) EXPECT_EQ(differing("stored=" + stored, point), 0) << stored;
+}
+
+// Twenty kilometers from a lamp steps are 1024 * 20 km / 2^24 = 1.2 m.
+TEST_F(ShadowMapBits, coarse_steps_of_forward_floats_are_noted) {
+  Registry registry;
+  gnomon_technique_shadow_map(registry);
+  const auto technique = registry.techniques()[0].make();
+  Scene scene;
+  scene.meshes = {small_world::ground(4), small_world::box({-0.001f, 19'990, -0.001f}, {0.001f, 19'992, 0.001f})};
+  const Light high{.name = "high", .kind = PointLight{{0, 20'000, 0}}};
+  EXPECT_EQ(technique->supports(scene, high, view).kind(), Support::Kind::full);
+  technique->apply("depth_order=forward");
+  const Support support = technique->supports(scene, high, view);
+  EXPECT_EQ(support.kind(), Support::Kind::approximate);
+  EXPECT_EQ(support.why(), "floats of forward depth leave steps of 1.2 m where the scene ends");
 }
 
 }  // namespace shadow_map_bits_test

@@ -90,7 +90,7 @@ class ComparedMap : public Technique {
   Choice bias;
   Number<double> depth_bias, slope_bias, normal_offset;
   FilterSetting filter{this};
-  Choice pass, faces, depth_bits;
+  Choice pass, faces, depth_bits, depth_order;
   AlphaSetting alpha{this, Stage::relight};
   GlassSetting glass{this};
   UpdateSetting update_by{this};
@@ -114,6 +114,9 @@ class ComparedMap : public Technique {
   std::size_t draw(Depths& depths, const HoleTest& test) const;
   /// Of depth in the present setting: 16, 24 or 32.
   int bits() const { return stored_depth().needs_second() ? 32 : 16 + 8 * depth_bits.index(); }
+  DepthOrder order() const { return stored_depth().needs_second() ? DepthOrder::reversed : DepthOrder(depth_order.index()); }
+  /// Bits of fixed point that round as much as what is stored does; 32: those of a reversed float, which round nothing.
+  int rounding_bits() const;
   void start_questions() const;
   const std::vector<float>& depths() const;
   /// A pixel's image and its place there, in texels, in the last resolve.

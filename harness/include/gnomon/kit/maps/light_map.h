@@ -13,6 +13,9 @@ namespace gnomon {
 /// hides nothing more, for light enters such a part through a triangle that is turned to it before it leaves it.
 bool is_seen_from_outside(std::span<const Bounds> solid_parts, const LightSpaceFace& face);
 
+/// What is nearer to the light has the larger depth, or the smaller one: 1 less that.
+enum class DepthOrder { reversed, forward };
+
 /// Draws the images of light cameras. One serves all lights of a technique: keep it with what they share.
 class DepthImages {
  public:
@@ -60,11 +63,15 @@ class DepthImages {
   /// By that rule; by the texel's where no mesh has a mask.
   HoleTest hole_test() const { return alpha_levels_.hole_test(); }
 
-  /// What images store depth as, from the next drawing on: GL_DEPTH_COMPONENT32F, 24 or 16.
-  void use_format(GLenum format) { format_ = format; }
+  /// What images store depth as, from the next drawing on: GL_DEPTH_COMPONENT32F, 24 or 16. Of second surfaces only reversed
+  /// ones are drawn.
+  void use_format(GLenum format, DepthOrder order = DepthOrder::reversed) {
+    format_ = format;
+    order_ = order;
+  }
   /// The first surface seen from the light, one layer for each image with casters, into `target`, which becomes an image of the
-  /// format and of the camera's size: reversed depth, 0 where there is nothing. Answers how many triangles were drawn. `test`
-  /// is `hole_test` or the texel's.
+  /// format and of the camera's size: depth in the order of the format, reversed 0 where there is nothing. Answers how many
+  /// triangles were drawn. `test` is `hole_test` or the texel's.
   std::size_t draw(const LightCamera& camera, Texture& target, Faces faces = Faces::lit, const HoleTest& test = {});
   /// The same. Where some casters move and others do not, those that stand still are drawn into the layer, unless it may be
   /// kept, and the others over a copy of it. The nearest surface is the same in whatever order casters are drawn.
@@ -94,6 +101,7 @@ class DepthImages {
   SolidParts solid_parts_;
   AlphaLevels alpha_levels_;
   GLenum format_ = GL_DEPTH_COMPONENT32F;
+  DepthOrder order_ = DepthOrder::reversed;
 };
 
 /// Half a step between depths that a number of bits tells apart, 32 meaning float: what is stored may be off by so much at axis
@@ -117,7 +125,8 @@ LightProjection projection_of(const LightCamera& camera);
 ///   vec3 along_image(vec3 step)       what in_image gives more where v is longer by a step; of faces
 ///   vec2 across_image(vec3 n)         how far a direction goes along columns and rows, in texels at axis distance 1
 ///   vec2 way_in_image(vec2 a, vec2 b) from texel to texel, in the measure of across_image: b - a unless the image is warped
-///   float stored_depth(vec2 texel)    of a texel by its whole numbers; 0 beside the image and where nothing is stored
+///   float stored_depth(vec2 texel)    of a texel by its whole numbers; 0 beside the image and where nothing is stored; read
+///                                     by 1 less it where FORWARD_DEPTH is defined
 ///   bool faces_light_at(vec4 position, vec4 normal, vec3 v)   what faces_light says, with no constant more
 ///
 /// Of slices, there are
