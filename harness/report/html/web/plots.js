@@ -3,6 +3,8 @@
 import { describe } from "./axes.js";
 import { h, onWidth } from "./dom.js";
 import { onFilter } from "./filter.js";
+import { saveButton } from "./plot_file.js";
+import { followKeys, teller } from "./plot_keys.js";
 import { costCard } from "./plot_cost.js";
 import { framesCard } from "./plot_frames.js";
 import { frontCard } from "./plot_front.js";
@@ -20,19 +22,22 @@ function addCard(section, make) {
     if (!is_seen || width === 0) return;
     is_stale = false;
     const { plot, caption, empty } = card.draw(width);
-    if (plot) describe(plot, `${card.title}; the table has the numbers`);
+    if (plot) followKeys(describe(plot, `${card.title}; arrow keys go from point to point, and the table has the numbers`), said);
     figure.replaceChildren(plot ?? h("p", { class: "empty" }, empty), ...(caption ? [h("figcaption", {}, caption)] : []));
   };
   const card = make(redraw);
   if (!card) return;
-  const figure = h("figure");
+  const [figure, said] = [h("figure"), teller()];
+  const chosen = () => card.controls.flatMap((control) => [...(control.querySelectorAll?.("select") ?? [])]);
+  const title = () => [card.title, ...chosen().map((select) => select.selectedOptions[0]?.textContent)].join(", ");
   const element = h(
     "article",
     { class: `card ${card.name}` },
     h("h3", {}, card.title),
     h("p", { class: "lead" }, card.lead),
-    h("div", { class: "bar" }, card.controls),
+    h("div", { class: "bar" }, card.controls, saveButton(figure, card.name, title)),
     figure,
+    said,
   );
   section.append(element);
   onWidth(figure, (now) => { width = now; redraw(); });
