@@ -1,6 +1,7 @@
 // The table and the plots of a small run, used as a person uses them.
 
 import assert from "node:assert/strict";
+import { readFileSync } from "node:fs";
 import { after, before, test } from "node:test";
 
 import { tick } from "../../harness/report/html/web/digits.js";
@@ -110,6 +111,73 @@ test("columns can be chosen", async () => {
   assert.equal(await page.locator('th[data-column="class.T"]').count(), 1);
   await page.locator('.columns input[name="technique"]').uncheck();
   assert.equal(await page.locator('th[data-column="technique"]').count(), 0);
+  await page.context().close();
+});
+
+test("scene, light and technique stay in sight, and the error and its causes are in sight first", async () => {
+  for (const width of [1400, 420]) {
+    const page = await open(report, { viewport: { width, height: 900 } });
+    const names = await page.locator("thead th").evaluateAll((cells) => cells.map((cell) => cell.dataset.column));
+    assert.deepEqual(names.slice(0, 4), ["scene", "light", "technique", "error"]);
+    assert.ok(names.indexOf("causes") < 7, String(names));
+    const lefts = () =>
+      page.locator("tbody tr").first().evaluate((row) => [...row.children].slice(0, 3).map((cell) => Math.round(cell.getBoundingClientRect().left)));
+    const before = await lefts();
+    await page.locator(".scroll").evaluate((element) => (element.scrollLeft = element.scrollWidth));
+    await settled(page);
+    assert.deepEqual(await lefts(), before, `at ${width} pixels`);
+    const room = await page.locator("tbody tr").first().evaluate((row) => row.closest(".scroll").getBoundingClientRect().right - row.children[2].getBoundingClientRect().right);
+    assert.ok(room > 100, `${room} pixels are left for numbers at ${width}`);
+    await page.context().close();
+  }
+});
+
+test("the filter finds causes, and an address keeps filter and order", async () => {
+  const page = await open(report);
+  const { rows, causes } = await dataOf(page);
+  const cause = causes.findIndex((_, k) => rows.some((row) => row.causes?.[k] > 0));
+  const wanted = rows.map((row, index) => [row, index]).filter(([row]) => row.causes?.[cause] > 0);
+  assert.ok(wanted.length > 0 && wanted.length < rows.length);
+  await page.locator("input[type=search]").fill(causes[cause].name);
+  assert.deepEqual(await shownRows(page), wanted.map(([, index]) => index));
+  await page.locator('th[data-column="error"] button').click();
+  await page.waitForFunction(() => location.hash.includes("sort=error"));
+  const again = await open(page.url().slice("file://".length));
+  assert.deepEqual(await shownRows(again), await shownRows(page));
+  assert.equal(await again.locator("input[type=search]").inputValue(), causes[cause].name);
+  await again.context().close();
+
+  // The table as text: a line of headings, then a line for each row that is shown.
+  await page.locator(".as-text summary").click();
+  const lines = (await page.locator(".as-text textarea").inputValue()).trimEnd().split("\n");
+  assert.equal(lines.length, wanted.length + 1);
+  assert.match(lines[0], /^scene\tlight\ttechnique\terror \(%\)\t/);
+  assert.equal(new Set(lines.map((line) => line.split("\t").length)).size, 1);
+  assert.deepEqual(page.troubles, []);
+  await page.context().close();
+});
+
+test("plots by keyboard, and as files", async () => {
+  const page = await open(report);
+  await page.locator("#plots").scrollIntoViewIfNeeded();
+  const plot = page.locator(".card.front figure svg[role=img]").last();
+  await plot.waitFor();
+  await plot.focus();
+  const said = [];
+  for (const key of ["ArrowRight", "ArrowRight", "End"]) {
+    await page.keyboard.press(key);
+    await settled(page);
+    said.push(await page.locator(".card.front output").textContent());
+  }
+  assert.ok(said.every((text) => /error: .* %/.test(text)), String(said));
+  assert.equal(new Set(said).size, 3, String(said));
+  const [download] = await Promise.all([page.waitForEvent("download"), page.locator(".card.front .save").click()]);
+  assert.equal(download.suggestedFilename(), "front.svg");
+  const text = readFileSync(await download.path(), "utf8");
+  assert.match(text, /<title>Error against cost, /);
+  assert.ok(!text.includes("var("), "colors are those of the page");
+  assert.match(text, />shadow_map</);
+  assert.deepEqual(page.troubles, []);
   await page.context().close();
 });
 

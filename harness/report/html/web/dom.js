@@ -20,9 +20,9 @@ export const list = (attributes, items) => h("ul", attributes, items.map((item) 
 /** A box in the color that a legend names. */
 export const swatch = (color) => h("i", { style: { background: color } });
 
-/** A name that may break after what joins its parts, and not inside a word: "shadow_map:" "resolution=256," "filter=pcf". */
+/** A name that may break after what joins its parts, and not inside a word: "shadow_" "map:" "resolution=256," "filter=pcf". */
 export function breakable(text) {
-  const parts = text.split(/(?<=[:,;/])/);
+  const parts = text.split(/(?<=[:,;/_])/);
   return parts.flatMap((part, index) => (index === 0 ? [part] : [h("wbr"), part]));
 }
 

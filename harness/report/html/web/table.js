@@ -2,8 +2,10 @@
 
 import { causeBar, causeLegend, occurringCauses, wrongShare } from "./causes.js";
 import { columnNamed, data, isOk, isSoft, joined, textOf } from "./data.js";
-import { breakable, h } from "./dom.js";
+import { breakable, h, plural } from "./dom.js";
 import { filteredRows, filterBar, onFilter } from "./filter.js";
+import { onRecall, recalled, remember } from "./page_state.js";
+import { tableText } from "./table_text.js";
 
 const isInterval = (column) => /_(low|high)$/.test(column.name) && columnNamed(column.name.replace(/_(low|high)$/, ""));
 const withCauses = data.rows.filter((row) => row.causes);
@@ -19,15 +21,22 @@ const causesColumn = {
     "the share of all tested ones.",
 };
 
-/** Columns that may be shown: the error is followed by its floors and by causes. Intervals are in the cells of their times. */
+/** Rows that are drawn at once. */
+const batch = 300;
+
+/** Columns that stay in sight when the table is scrolled sideways: which row this is. */
+const staying = ["scene", "light", "technique"];
+
+/**
+ * Columns that may be shown: first those that say which row this is, then its error with its floors and causes. Intervals are in
+ * the cells of their times.
+ */
 function allColumns() {
   const columns = data.columns.filter((column) => !isInterval(column) && column.name !== "causes");
-  const causes = withCauses.length > 0 ? [causesColumn] : [];
-  const error = columns.find((column) => column.name === "error" && column.is_headline);
-  if (!error) return [...columns, ...causes];
-  const floors = ["error_floor", "snapping_floor", "constant_error"].map(columnNamed).filter((column) => column?.is_headline);
-  const others = columns.filter((column) => !floors.includes(column));
-  return others.flatMap((column) => (column === error ? [error, ...floors, ...causes] : [column]));
+  const named = (names) => names.map((name) => columns.find((column) => column.name === name)).filter(Boolean);
+  const errors = named(["error", "error_floor", "snapping_floor", "constant_error"]).filter((column) => column.is_headline);
+  const first = [...named(staying), ...errors, ...(withCauses.length > 0 ? [causesColumn] : [])];
+  return [...first, ...columns.filter((column) => !first.includes(column))];
 }
 
 const sortValue = (row, column) => (column === causesColumn ? wrongShare(row) : row.values[column.index]);
@@ -61,7 +70,7 @@ function techniqueCell(row, text, openPictures) {
   const button = h("button", { class: "picture", title, "aria-label": `Pictures of ${row.title}`, ...act }, "\u25d0");
   const id = h("span", { class: "id" }, breakable(text));
   const role = row.role !== "contender" && h("small", { class: "role" }, row.role);
-  return h("th", { scope: "row", class: "text technique" }, h("div", {}, id, role, row.pictures && button));
+  return h("th", { scope: "row", class: "text technique stays", "data-stays": "technique" }, h("div", {}, id, role, row.pictures && button));
 }
 
 function supportCell(row, text) {
@@ -82,9 +91,11 @@ function cell(row, column, openPictures) {
   const [is_best, is_floored, is_flagged] = [row.best, row.floored, row.flagged].map((marked) => marked.has(column.index));
   const noise = "within the reference's noise";
   const few = "too few pixels tested";
+  const stays = staying.includes(column.name);
+  const names = joined([column.is_left && "text", is_best && "best", is_flagged && "flagged", stays && "stays"]);
   return h(
     "td",
-    { class: joined([column.is_left && "text", is_best && "best", is_flagged && "flagged"]) || null },
+    { class: names || null, "data-stays": stays ? column.name : null },
     is_best && mark("\u2605", "best of its group"),
     column.is_left ? breakable(text) : text,
     is_floored && mark("\u00b0", noise, `${noise} of the best value`),
@@ -120,13 +131,19 @@ function legend() {
   );
 }
 
-/** Builds the section; `openPictures(row)` shows a row in the comparer. */
-export function showTable(section, openPictures) {
+/** Builds the section; `open(row)` shows a row in the comparer. */
+export function showTable(section, open) {
   const columns = allColumns();
   const visible = new Set(columns.filter((column) => column.is_headline).map((column) => column.name));
   const order = { column: null, descending: false };
 
   const [head, body] = [h("thead"), h("tbody")];
+  let drawMore = () => {};
+  const openPictures = (row) => {
+    open(row);
+    body.querySelector("tr[aria-current]")?.removeAttribute("aria-current");
+    body.querySelector(`tr[data-row="${row.index}"]`)?.setAttribute("aria-current", "true");
+  };
   const table = h("table", {}, h("caption", { class: "hidden" }, "Every row of the run"), head, body);
 
   const sortBy = (column) => {
@@ -134,6 +151,7 @@ export function showTable(section, openPictures) {
     if (order.column !== column) Object.assign(order, { column, descending: first });
     else if (order.descending === first) order.descending = !first;
     else order.column = null;
+    remember({ sort: order.column?.name ?? null, down: order.column && order.descending ? 1 : null });
     draw();
     head.querySelector(`[data-column="${CSS.escape(column.name)}"] button`)?.focus();
   };
@@ -144,7 +162,8 @@ export function showTable(section, openPictures) {
     const [sort, arrow] = order.column === column ? direction : [null, ""];
     const attributes = {
       scope: "col",
-      class: column.is_left ? "text" : null,
+      class: joined([column.is_left && "text", staying.includes(column.name) && "stays"]) || null,
+      "data-stays": staying.includes(column.name) ? column.name : null,
       "data-column": column.name,
       "data-heading": unit ? `${heading} (${unit})` : heading,
       "aria-sort": sort,
@@ -159,20 +178,50 @@ export function showTable(section, openPictures) {
   };
 
   function draw() {
-    const shown = columns.filter((column) => visible.has(column.name));
+    const shown = shownColumns();
     head.replaceChildren(h("tr", {}, shown.map(headCell)));
-    let group = null;
-    body.replaceChildren(
-      ...sorted(filteredRows(), order).map((row) => {
-        const is_new_group = !order.column && group !== null && group !== row.group;
-        group = row.group;
-        const names = joined([isOk(row) ? row.role : row.status, is_new_group && "first"]);
-        return h("tr", { class: names, "data-row": row.index }, cells(row, shown, openPictures));
-      }),
-    );
-    if (!body.firstChild)
-      body.append(h("tr", {}, h("td", { class: "text nothing", colspan: shown.length || 1 }, "No row passes the filter.")));
+    const rows = sorted(filteredRows(), order);
+    const lineOf = (row, index) => {
+      const is_new_group = !order.column && index > 0 && rows[index - 1].group !== row.group;
+      const names = joined([isOk(row) ? row.role : row.status, is_new_group && "first"]);
+      const current = String(row.index) === recalled("row") ? "true" : null;
+      return h("tr", { class: names, "data-row": row.index, "aria-current": current }, cells(row, shown, openPictures));
+    };
+    const across = (className, ...content) => h("tr", {}, h("td", { class: `text ${className}`, colspan: shown.length || 1 }, content));
+    // A browser takes seconds for thousands of rows: those that are far below come when they are scrolled to.
+    let drawn = 0;
+    const more = h("button", { type: "button", onclick: () => drawMore(Infinity) }, "Show all rows");
+    const rest = across("rest", more);
+    drawMore = (count = batch) => {
+      const lines = rows.slice(drawn, drawn + count).map((row, k) => lineOf(row, drawn + k));
+      drawn += lines.length;
+      rest.remove();
+      body.append(...lines, ...(drawn < rows.length ? [rest] : []));
+      more.textContent = `Show the other ${plural(rows.length - drawn, "row")} too`;
+    };
+    body.replaceChildren();
+    drawMore();
+    if (rows.length === 0) body.append(across("nothing", "No row passes the filter."));
+    place();
+    text.update();
   }
+
+  /** Columns that stay lie beside one another, each behind those before it. */
+  function place() {
+    let left = 0;
+    for (const cell of head.querySelectorAll("[data-stays]")) {
+      table.style.setProperty(`--left-${cell.dataset.stays}`, `${left}px`);
+      left += cell.getBoundingClientRect().width;
+    }
+  }
+
+  function recallOrder() {
+    const column = columns.find(({ name }) => name === recalled("sort")) ?? null;
+    Object.assign(order, { column, descending: recalled("down") !== null });
+  }
+
+  const shownColumns = () => columns.filter((column) => visible.has(column.name));
+  const text = tableText(() => [shownColumns(), sorted(filteredRows(), order)]);
 
   const box = (column) => {
     const { name, sentence } = column;
@@ -183,17 +232,29 @@ export function showTable(section, openPictures) {
     const input = h("input", { type: "checkbox", name, checked: visible.has(name), onchange });
     return h("label", { title: sentence || null }, input, h("span", {}, name));
   };
+  const scroll = h("div", { class: "scroll", tabindex: "0", role: "region", "aria-label": "Table of all rows" }, table);
+  scroll.addEventListener("scroll", () => {
+    if (scroll.scrollTop + 3 * scroll.clientHeight > scroll.scrollHeight && body.querySelector(".rest")) drawMore();
+  });
+  addEventListener("beforeprint", () => body.querySelector(".rest") && drawMore(Infinity));
   section.append(
     filterBar(),
-    h("div", { class: "scroll", tabindex: "0", role: "region", "aria-label": "Table of all rows" }, table),
+    scroll,
     h(
       "div",
       { class: "below" },
       legend(),
       occurringCauses().length > 0 && causeLegend(),
+      text.element,
       h("details", { class: "columns" }, h("summary", {}, "Choose columns"), h("div", {}, columns.map(box))),
     ),
   );
+  recallOrder();
   onFilter(draw);
+  onRecall(() => {
+    recallOrder();
+    draw();
+  });
   draw();
+  new ResizeObserver(place).observe(table);
 }
