@@ -200,3 +200,56 @@ test("a row's button opens its picture", async () => {
   assert.equal(await page.locator("#pictures select[name=picture]").inputValue(), String(rows[index].group));
   await page.context().close();
 });
+
+test("up to four pictures beside one another zoom and choose pixels as one", async () => {
+  const page = await openPictures("unshadowed");
+  assert.equal(await page.locator(".further:visible").count(), 0);
+  await chooseMode(page, "beside");
+  assert.equal(await page.locator(".further:visible").count(), 1);
+  for (const [name, title] of [["c", "planar_projected"], ["d", "shadow_map:resolution=64"]])
+    await page.locator(`#pictures select[name=${name}]`).selectOption({ label: title });
+  await settled(page);
+  assert.equal(await page.locator(".further:visible").count(), 3);
+  const labels = await page.locator("#pictures .labels:visible").allTextContents();
+  assert.deepEqual(labels, ["A  unshadowed", "B  reference", "C  planar_projected", "D  shadow_map:resolution=64"]);
+  // Zoomed with the keys of the third picture: all show the middle, eight times as large, and read the same pixel.
+  const third = page.locator(".further canvas").nth(1);
+  await third.focus();
+  await page.keyboard.press("ArrowRight");
+  for (let k = 0; k < 4; ++k) await page.keyboard.press("+");
+  await settled(page);
+  const [sizes, before] = [await page.locator(".zoom").textContent(), await page.locator(".readout").textContent()];
+  assert.ok(Number.parseInt(sizes) > 500, sizes);
+  assert.match(before, /C.*D.*reference/);
+  const colors = await page.locator("#pictures .pictures canvas").evaluateAll((all) =>
+    all.map((canvas) => [...canvas.getContext("2d").getImageData(canvas.width - 9, canvas.height - 9, 1, 1).data]),
+  );
+  assert.deepEqual(colors[0], colors[2], "lit in every picture");
+  assert.deepEqual(page.troubles, []);
+  await page.context().close();
+});
+
+test("a link shows what was seen", async () => {
+  const page = await openPictures("shadow_map:resolution=64");
+  await chooseMode(page, "causes");
+  const canvas = page.locator(".viewport canvas");
+  await canvas.focus();
+  for (let k = 0; k < 3; ++k) await page.keyboard.press("+");
+  await page.waitForFunction(() => location.hash.includes("mode=causes") && location.hash.includes("zoom="));
+  await settled(page);
+  const seen = (of) => of.locator(".viewport canvas").evaluate((canvas) => canvas.toDataURL());
+  await page.waitForTimeout(300); // longer than an address lags behind
+  const again = await open(page.url().slice("file://".length));
+  await settled(again);
+  assert.equal(await again.locator("#pictures select[name=a] option:checked").textContent(), "shadow_map:resolution=64");
+  assert.ok(await again.locator(".modes input[value=causes]").isChecked());
+  assert.equal(await seen(again), await seen(page));
+  assert.deepEqual(again.troubles, []);
+  await again.context().close();
+  // What the run lacks is left out.
+  const wrong = await open(`${report}#?a=9999&b=x&where=77&mode=none&zoom=-3&x=1&y=1`);
+  await settled(wrong);
+  assert.deepEqual(wrong.troubles, []);
+  await wrong.context().close();
+  await page.context().close();
+});

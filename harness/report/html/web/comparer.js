@@ -1,6 +1,8 @@
 // The image comparer: two answers under one scene and light, beside each other, in turn, or as their difference.
 
+import { Beside, noChoice } from "./beside.js";
 import { blob, colors, errors, shares } from "./blobs.js";
+import { ComparerAddress } from "./comparer_address.js";
 import * as compose from "./compose.js";
 import { drawContours, inks } from "./contours.js";
 import { data, distinct, groupName } from "./data.js";
@@ -16,6 +18,7 @@ import { Viewport } from "./viewport.js";
 const modes = [
   { name: "wipe", text: "Wipe", a: true, b: true },
   { name: "flicker", text: "Flicker", a: true, b: true },
+  { name: "beside", text: "Side by side", a: true, b: true },
   { name: "difference", text: "Difference", a: true, b: true },
   { name: "error", text: "Error", a: true, b: false },
   { name: "causes", text: "Error causes", a: true, b: false },
@@ -45,6 +48,8 @@ class Comparer {
     this.is_shaded = true;
     this.shows_all_light = false;
     this.shows_b = false;
+    this.has_contours = false;
+    this.switches = {};
     this.is_running = !matchMedia("(prefers-reduced-motion: reduce)").matches;
     const load = () => this.load();
     this.where = chooser("picture", groups.flatMap(placesOf), () => this.choose(), "scene and light");
@@ -52,17 +57,29 @@ class Comparer {
     this.b = chooser("b", [], load, "B");
     const scales = data.signed.scales.map((scale) => ({ value: String(scale), text: `\u00b1${scale}` }));
     this.scale = chooser("scale", scales, () => this.compose(), "colors end at");
-    this.divider = new Divider(() => this.view?.draw());
+    this.divider = new Divider(() => {
+      this.view?.draw();
+      this.address?.keep();
+    });
     this.line = new LineTool(() => this.profileLine());
     this.profile = new Profile((pixel) => this.mark(pixel));
     this.view = new Viewport({
       paint: (context, view) => this.paint(context, view),
-      onpixel: (pixel) => this.read(pixel),
+      onpixel: (pixel) => (this.beside ? this.beside.choose(this.view, pixel) : this.read(pixel)),
       label:
         "Picture. Arrow keys choose a pixel, plus and minus zoom, 0 fits, 1 shows pixels one to one. " +
         "With the profile on, P puts the ends of its line in turn.",
     });
-    this.view.onzoom = () => (this.zoomed.textContent = `${Math.round(100 * this.view.zoom)} %`);
+    this.beside = new Beside(this.view, {
+      paint: (k, context, view) => this.paintOne(k, context, view),
+      read: (pixel) => this.read(pixel),
+      load,
+    });
+    this.view.onzoom = () => {
+      this.beside.follow(this.view);
+      this.zoomed.textContent = `${Math.round(100 * this.view.zoom)} %`;
+      this.address?.keep();
+    };
     this.zoomed = h("output", { class: "zoom" }, "");
     this.labels = h("div", { class: "labels", "aria-hidden": "true" });
     this.pause = h("button", { type: "button", onclick: () => this.setRunning(!this.is_running) });
@@ -72,10 +89,11 @@ class Comparer {
     this.readout = h("dl", { class: "readout", "aria-live": "polite" });
     this.problem = h("p", { class: "notice", hidden: true });
     this.view.element.append(this.divider.element, this.labels);
-    section.append(...this.bars(), this.problem, this.view.element, this.readout, this.legend, this.profile.element);
+    section.append(...this.bars(), this.problem, this.beside.element, this.readout, this.legend, this.profile.element);
     this.setRunning(this.is_running);
     this.setMode(modes[0]);
     this.choose();
+    this.address = new ComparerAddress(this, modes);
     setInterval(() => this.mode.name === "flicker" && this.is_running && this.flip(), flickerPeriod);
   }
 
@@ -83,6 +101,13 @@ class Comparer {
     const mode = (info) => {
       const choice = { value: info.name, checked: info === this.mode, onchange: () => this.setMode(info) };
       return h("label", {}, h("input", { type: "radio", name: "mode", ...choice }), h("span", {}, info.text));
+    };
+    const switchOf = (member, label) => {
+      const change = (on) => {
+        this[member] = on;
+        this.setMode(this.mode);
+      };
+      return (this.switches[member] = toggle(label, change, this[member]));
     };
     const has_all_light = data.rows.some((row) => row.pictures?.global !== undefined);
     const zoom = (text, label, act) => h("button", { type: "button", title: label, "aria-label": label, onclick: act }, text);
@@ -95,16 +120,16 @@ class Comparer {
       zoom("8:1", "Pixels as squares of eight", () => this.view.zoomTo(8)),
     ];
     return [
-      h("div", { class: "bar" }, this.where.element, this.a.element, this.b.element),
+      h("div", { class: "bar" }, this.where.element, this.a.element, this.b.element, this.beside.lists.map((list) => list.element)),
       h(
         "div",
         { class: "bar" },
-        h("fieldset", { class: "modes" }, h("legend", { class: "hidden" }, "How to compare"), modes.map(mode)),
+        (this.modes = h("fieldset", { class: "modes" }, h("legend", { class: "hidden" }, "How to compare"), modes.map(mode))),
         this.scale.element,
         this.flickers,
-        toggle("shaded", (on) => { this.is_shaded = on; this.compose(); }, true),
-        has_all_light && toggle("all light", (on) => { this.shows_all_light = on; this.compose(); }),
-        toggle("contours", (on) => { this.has_contours = on; this.setMode(this.mode); }),
+        switchOf("is_shaded", "shaded"),
+        has_all_light && switchOf("shows_all_light", "all light"),
+        switchOf("has_contours", "contours"),
         toggle("profile", (on) => this.setProfile(on)),
         h("span", { class: "group zooms" }, zooms),
       ),
@@ -138,6 +163,7 @@ class Comparer {
     const kept = ({ select }) => options.find(({ text }) => text === select.selectedOptions[0]?.textContent)?.value;
     const contender = rows.find((row) => row.role === "contender") ?? rows[0];
     this.a.set(options, String(a ?? kept(this.a) ?? contender.index));
+    this.beside.offer(options);
     this.b.set(options, a !== null ? referenceChoice : (kept(this.b) ?? referenceChoice));
     this.load();
   }
@@ -148,8 +174,16 @@ class Comparer {
     this.choose(row.index);
   }
 
+  /** Turns a switch as a click would, but shows nothing yet. */
+  setSwitch(member, is_on) {
+    this[member] = is_on;
+    const box = this.switches[member]?.querySelector("input");
+    if (box) box.checked = is_on;
+  }
+
   setMode(mode) {
     this.mode = mode;
+    this.modes.querySelector(`input[value=${mode.name}]`).checked = true;
     // Contours are those of the compared sides, and of A over other pictures; the profile is of both.
     this.a.select.disabled = !mode.a && !this.has_contours && !this.line.is_on;
     this.b.select.disabled = !mode.b && !this.line.is_on;
@@ -230,14 +264,17 @@ class Comparer {
         return { ...compared, mask, causes, global };
       };
       const [rowA, rowB] = [this.a, this.b].map(rowOf);
-      const sides = await Promise.all([side(rowA, rowB), side(rowB, rowA)]);
+      const further = this.beside.lists.filter(({ value }) => value !== noChoice).map(rowOf);
+      const sides = await Promise.all([side(rowA, rowB), side(rowB, rowA), ...further.map((row) => side(row, rowA))]);
       if (turn !== this.turn) return;
       const is_one_of_several = this.light !== null;
       const place = [scene, view, width, height].join();
       this.frame = { width, height, is_soft, is_one_of_several, lit, dark, bright, white: pictures.white, classes, place };
       [this.sideA, this.sideB] = sides;
+      this.further = sides.slice(2);
       this.problem.hidden = true;
       this.view.setSize(width, height);
+      this.address?.showView(this.view);
       this.compose();
       this.profileLine();
     } catch (error) {
@@ -260,11 +297,13 @@ class Comparer {
     }[this.mode.name];
     const made = make?.() ?? null;
     const show = (side) => (this.isInAllLight(side) ? compose.colored(frame, side.global) : plain(frame, side.mask));
-    this.pictures = made ? [canvasOf(made.image)] : [sideA, sideB].map((side) => canvasOf(show(side)));
+    const sides = [sideA, sideB, ...(this.mode.name === "beside" ? this.further : [])];
+    this.pictures = made ? [canvasOf(made.image)] : sides.map((side) => canvasOf(show(side)));
     this.showLegend(made);
     this.label();
     this.read(this.view.pixel);
     this.view.draw();
+    this.address?.keep();
   }
 
   /** Whether a side is shown in all light: the toggle is on, and the side has that picture. */
@@ -278,12 +317,15 @@ class Comparer {
     const shown = (side) => (this.isInAllLight(side) ? `${side.row?.title ?? "reference"}, all light` : side.title);
     const tags = {
       wipe: [`A  ${shown(this.sideA)}`, `B  ${shown(this.sideB)}`],
+      beside: [`A  ${shown(this.sideA)}`],
       flicker: [this.shows_b ? `B  ${shown(this.sideB)}` : `A  ${shown(this.sideA)}`],
       difference: [`A  ${this.sideA.title}  less  B  ${this.sideB.title}`],
       error: [`${this.sideA.title}  less the reference`],
       causes: [this.sideA.title],
       classes: [],
     }[this.mode.name];
+    const others = this.mode.name === "beside" ? [this.sideB, ...this.further] : [];
+    this.beside.show(others.map(shown), this.frame.width, this.frame.height);
     this.labels.replaceChildren(...tags.map((tag) => h("span", {}, tag)));
   }
 
@@ -298,7 +340,7 @@ class Comparer {
 
   /** Shows the values at a pixel. */
   read(pixel) {
-    const values = readOut(pixel, this.frame, this.sideA, this.sideB);
+    const values = readOut(pixel, this.frame, this.sideA, this.sideB, this.mode.name === "beside" ? this.further : []);
     this.readout.replaceChildren(...values.map(([name, text]) => h("div", {}, h("dt", {}, name), h("dd", {}, text))));
   }
 
@@ -310,19 +352,23 @@ class Comparer {
       ...distinct(sides.map(({ truth }) => truth)).map(ofTruth),
       ...sides.filter(({ row }) => row).map(ofSide),
     ];
-    if (this.pictures.length > 1) return [of(this.sideA), of(this.sideB)];
+    if (this.pictures.length > 1) return [this.sideA, this.sideB, ...this.further].map((side) => of(side));
     return [this.mode.b ? of(this.sideA, this.sideB) : of(this.sideA)];
+  }
+
+  /** Draws one of the pictures with its contours. */
+  paintOne(k, context, view) {
+    const picture = this.pictures?.[k];
+    if (!picture) return;
+    context.drawImage(picture, view.x, view.y, view.scale * picture.width, view.scale * picture.height);
+    const contours = this.has_contours ? (this.contoured()[k] ?? []) : [];
+    for (const { mask, ink } of contours) drawContours(context, view, this.frame, mask, ink);
   }
 
   paint(context, view) {
     if (!this.pictures) return;
-    const { scale, x, y, width, height } = view;
-    const contours = this.has_contours ? this.contoured() : [];
-    const whole = (k) => {
-      const picture = this.pictures[k];
-      context.drawImage(picture, x, y, scale * picture.width, scale * picture.height);
-      for (const { mask, ink } of contours[k] ?? []) drawContours(context, view, this.frame, mask, ink);
-    };
+    const { width, height } = view;
+    const whole = (k) => this.paintOne(k, context, view);
     const clipped = (from, to, k) => {
       context.save();
       context.beginPath();

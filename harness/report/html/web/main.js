@@ -4,6 +4,7 @@ import { showAbout } from "./about.js";
 import { showComparer } from "./comparer.js";
 import { data, distinct, isOk, joined } from "./data.js";
 import { h, list, plural } from "./dom.js";
+import { recalled, remember } from "./page_state.js";
 import { showPlayer } from "./player.js";
 import { showPlots } from "./plots.js";
 import { showRanks } from "./ranks.js";
@@ -36,6 +37,7 @@ const pictures = document.getElementById("pictures");
 const comparer = showComparer(pictures);
 const player = showPlayer(pictures);
 showTable(document.getElementById("table"), (row) => {
+  remember({ row: row.index });
   comparer.open(row);
   player.open(row);
   pictures.scrollIntoView({ behavior: matchMedia("(prefers-reduced-motion: reduce)").matches ? "auto" : "smooth" });
@@ -43,6 +45,8 @@ showTable(document.getElementById("table"), (row) => {
 showPlots(document.getElementById("plots"));
 showRanks(document.getElementById("ranks"));
 showAbout(document.getElementById("about"));
+// A link that says what is compared leads to it; one of the table alone stays at the table.
+if (recalled("a") !== null) pictures.scrollIntoView();
 
 // On paper nobody can open what is closed.
 addEventListener("beforeprint", () => document.querySelectorAll("#about details").forEach((details) => (details.open = true)));

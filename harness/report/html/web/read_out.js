@@ -16,14 +16,14 @@ function causeIn(side, i) {
   return side.causes[i] ? words(data.causes[side.causes[i] - 1].name) : "none";
 }
 
-/** Pairs of name and text; dashes without a pixel. */
-export function readOut(pixel, frame, sideA, sideB) {
-  const names = ["pixel", "A", "B", "reference", "class", "cause in A"];
+/** Pairs of name and text; dashes without a pixel. `further` are the sides beyond A and B that are shown. */
+export function readOut(pixel, frame, sideA, sideB, further = []) {
+  const names = ["pixel", "A", "B", ...["C", "D"].slice(0, further.length), "reference", "class", "cause in A"];
   if (!pixel || !frame) return names.map((name) => [name, "-"]);
   const i = pixel.y * frame.width + pixel.x;
   const info = data.classes[frame.classes[i]];
-  const [a, b] = [sideA, sideB].map((side) => side.mask[i].toFixed(2) + judged(frame, side, i));
+  const masks = [sideA, sideB, ...further].map((side) => side.mask[i].toFixed(2) + judged(frame, side, i));
   const reference = sideA.reference[i].toFixed(2);
-  const texts = [`${pixel.x}, ${pixel.y}`, a, b, reference, `${info.name} ${info.word}`, causeIn(sideA, i)];
+  const texts = [`${pixel.x}, ${pixel.y}`, ...masks, reference, `${info.name} ${info.word}`, causeIn(sideA, i)];
   return names.map((name, k) => [name, texts[k]]);
 }

@@ -30,7 +30,9 @@ export class Viewport {
     this.size = { width, height };
     this.canvas.style.aspectRatio = `${width} / ${height}`;
     this.resized();
+    this.is_resizing = true;
     this.fit();
+    this.is_resizing = false;
   }
 
   resized() {
@@ -38,9 +40,12 @@ export class Viewport {
     const [width, height] = [clientWidth, clientHeight].map((size) => Math.max(1, Math.round(size * screenRatio())));
     if (this.canvas.width === width && this.canvas.height === height) return;
     const was_fit = !this.view || this.is_fit;
+    const [right, down] = [width - this.canvas.width, height - this.canvas.height];
     Object.assign(this.canvas, { width, height });
+    this.is_resizing = true; // nobody zoomed
     if (was_fit) this.fit();
-    else this.place(this.view.scale, this.view.x, this.view.y);
+    else this.place(this.view.scale, this.view.x + right / 2, this.view.y + down / 2); // the same middle
+    this.is_resizing = false;
   }
 
   get fitScale() {
@@ -85,6 +90,18 @@ export class Viewport {
   /** Shows a picture pixel on `zoom` CSS pixels. */
   zoomTo(zoom) {
     this.zoomAtPixel((zoom * screenRatio()) / this.view.scale);
+  }
+
+  /** What `showAt` takes: CSS pixels of a picture's pixel, and the point of the picture in the middle. */
+  get middle() {
+    const { scale, x, y, width, height } = this.view;
+    return { zoom: this.zoom, x: (width / 2 - x) / scale, y: (height / 2 - y) / scale };
+  }
+
+  /** Shows the picture's point (x, y) in the middle, its pixels on `zoom` CSS pixels. */
+  showAt({ zoom, x, y }) {
+    const scale = this.scaleNear(zoom * screenRatio());
+    this.place(scale, this.canvas.width / 2 - x * scale, this.canvas.height / 2 - y * scale);
   }
 
   /** Zooms about the pixel under the pointer, without one about the middle. */
@@ -148,6 +165,7 @@ export class Viewport {
     this.is_waiting = true;
     requestAnimationFrame(() => {
       this.is_waiting = false;
+      if (!this.view) return; // without a picture yet
       const context = this.canvas.getContext("2d");
       context.clearRect(0, 0, this.canvas.width, this.canvas.height);
       context.imageSmoothingEnabled = this.view.scale < 1;
