@@ -79,10 +79,33 @@ bool is_of_techniques(std::span<const Record> records, const std::string& axis) 
   return std::ranges::any_of(values, [&](const auto& one) { return one.second.size() > 1 || !is_of_scenes; });
 }
 
-std::string unit_in(const Parametrized& owner, std::string_view parameter) {
+const Parameter* row_named(const Parametrized& owner, std::string_view parameter) {
   for (const Parameter* one : owner.parameters())
-    if (one->name() == parameter) return std::string(one->unit());
-  return "";
+    if (one->name() == parameter) return one;
+  return nullptr;
+}
+
+bool is_log(const Parameter& parameter) {
+  if (const auto* whole = dynamic_cast<const Number<int>*>(&typed(parameter))) return whole->range().log;
+  const auto* number = dynamic_cast<const Number<double>*>(&typed(parameter));
+  return number && number->range().log;
+}
+
+/// Whether `accepts` takes the parameter of a registered technique of these records; where only scenes have it, of a scene.
+bool is_declared(std::span<const Record> records, const std::string& parameter,
+                 const std::function<bool(const Parameter&)>& accepts) {
+  std::set<std::string> ids;
+  const bool is_of_technique = is_of_techniques(records, parameter);
+  for (const Record& r : records) ids.insert(is_of_technique ? r.technique : split_reference(r.scene).first);
+  const auto is_among = [&](const auto& entries) {
+    return std::ranges::any_of(entries, [&](const auto& entry) {
+      if (!ids.contains(entry.id)) return false;
+      const auto owner = entry.make();
+      const Parameter* row = row_named(*owner, parameter);
+      return row && accepts(*row);
+    });
+  };
+  return is_of_technique ? is_among(registry().techniques()) : is_among(registry().scenes());
 }
 
 }  // namespace
@@ -109,16 +132,16 @@ std::vector<std::string> numeric_parameters(std::span<const Record> records) {
 }
 
 std::string parameter_unit(std::span<const Record> records, const std::string& parameter) {
-  std::set<std::string> ids;
-  const bool is_of_technique = is_of_techniques(records, parameter);
-  for (const Record& r : records) ids.insert(is_of_technique ? r.technique : split_reference(r.scene).first);
-  const auto unit_among = [&](const auto& entries) -> std::string {
-    for (const auto& entry : entries)
-      if (ids.contains(entry.id))
-        if (std::string unit = unit_in(*entry.make(), parameter); !unit.empty()) return unit;
-    return "";
-  };
-  return is_of_technique ? unit_among(registry().techniques()) : unit_among(registry().scenes());
+  std::string unit;
+  is_declared(records, parameter, [&](const Parameter& row) {
+    unit = row.unit();
+    return !unit.empty();
+  });
+  return unit;
+}
+
+bool is_log_parameter(std::span<const Record> records, const std::string& parameter) {
+  return is_declared(records, parameter, is_log);
 }
 
 std::vector<AxisSeries> join_series(std::span<const Record> records, const std::string& axis,

@@ -25,6 +25,9 @@ std::vector<std::string> numeric_parameters(std::span<const Record> records);
 /// The unit that the registered techniques or scenes of these records declare for the parameter; "" where none does.
 std::string parameter_unit(std::span<const Record> records, const std::string& parameter);
 
+/// Whether a registered technique or scene of these records declares the numbers of the parameter for a logarithmic axis.
+bool is_log_parameter(std::span<const Record> records, const std::string& parameter);
+
 /// All series along "triangles", "pixels", "lights" (how many a row has together, of as many the first row; where no
 /// row has several 1, 2, 3, ... in the order of the records) or a parameter, of the records
 /// that `takes` accepts, in the order of their first ones. Records without a value on the axis belong to none.

@@ -28,6 +28,7 @@ const std::map<std::string, std::vector<std::string>> taken_options{
     {"parameters", {"--error"}},
     {"stages", {"--cost"}},
     {"causes", {}},
+    {"sheet", {}},
 };
 
 bool takes(const std::string& kind, const std::string& option) {
@@ -104,8 +105,9 @@ void set_metric(AnalysisOptions& analysis, const Command& command, std::span<con
   if (!command.is_given("--error")) analysis.metric = judging_metric(records);
 }
 
-/// The records of these folders, in order, that match --filter. A row that several folders contain counts once, by its first
-/// record, and stderr says how many do. Throws Error when two folders answer a job differently, and when there is no record.
+/// The records of these folders, in order, that match --filter, with pictures by their path from here. A row that several
+/// folders contain counts once, by its first record, and stderr says how many do. Throws Error when two folders answer a job
+/// differently, and when there is no record.
 std::vector<Record> read_runs(const Options& options) {
   std::vector<Record> all;
   std::unordered_map<std::string, std::pair<std::size_t, std::string>>
@@ -125,6 +127,7 @@ std::vector<Record> read_runs(const Options& options) {
           continue;
         }
       }
+      if (record.error_picture) record.error_picture = (std::filesystem::path(dir) / *record.error_picture).string();
       all.push_back(std::move(record));
     }
   if (twice)
@@ -133,6 +136,22 @@ std::vector<Record> read_runs(const Options& options) {
   if (all.empty())
     throw Error("{} hold{} no record{}", joined(options.words, ", "), options.words.size() == 1 ? "s" : "",
                 options.filter.empty() ? "" : fmt::format(" that matches {}", options.filter));
+  return all;
+}
+
+/// The quantities of --error, which a figure of a sweep takes several of, at most one of each color.
+std::vector<std::string> quantities_of(const std::string& words, const std::string& kind) {
+  std::vector<std::string> all;
+  for (std::size_t from = 0, to = 0; to != words.npos; from = to + 1) {
+    to = words.find(',', from);
+    all.push_back(words.substr(from, to == words.npos ? to : to - from));
+    if (all.back().empty()) throw Error("--error {} has an empty name", words);
+    if (std::ranges::count(all, all.back()) > 1) throw Error("--error {} names {} twice", words, all.back());
+  }
+  constexpr std::size_t most = 8;
+  if (all.size() > 1 && kind != "sweep")
+    throw Error("--error {}: figure {} takes one quantity; sweep takes several", words, kind);
+  if (all.size() > most) throw Error("--error names {} quantities; a figure holds at most {}", all.size(), most);
   return all;
 }
 
@@ -159,6 +178,9 @@ void make_figure(PictureOptions& options, const Command& command) {
   const std::filesystem::path out = options.out.empty() ? "figure.svg" : options.out;
   const std::vector<Record> records = read_runs(options);
   set_metric(options.analysis, command, records);
+  options.figure.metrics = quantities_of(options.analysis.metric, kind);
+  for (std::string& metric : options.figure.metrics) metric = quantity_named(records, metric);
+  options.analysis.metric = options.figure.metrics.front();
   name_quantities(options.analysis, records);
   options.figure.analysis = options.analysis;
   if (command.is_given("--cost")) options.figure.bars = options.analysis.cost;
@@ -195,9 +217,10 @@ void add_analyze(Program& program) {
 void add_figure(Program& program) {
   auto [command, options] = program.line.command<PictureOptions>(
       "figure",
-      "A figure of a run, by gnuplot: DIR... front|growth|stages|map|causes|motion|sweep|parameters --out FILE.svg|.pdf|.png",
+      "A figure of a run, by gnuplot: DIR... front|growth|stages|map|causes|motion|sweep|parameters|sheet --out "
+      "FILE.svg|.pdf|.png",
       make_figure);
-  add_shared_options(command, "front, growth, stages, map, causes, motion, sweep or parameters", options);
+  add_shared_options(command, "front, growth, stages, map, causes, motion, sweep, parameters or sheet", options);
   command.option("--out", &options.out, "File to write; .svg, .pdf or .png", {.check = not_empty()});
   command.flag("--script", &options.script, "Print the gnuplot program instead of running it");
   command.option("--title", &options.figure.title, "Title above the figure; none by default: papers have captions");

@@ -8,6 +8,7 @@
 #include <cerrno>
 #include <cstring>
 #include <fstream>
+#include <sstream>
 
 #include "measure/part_file.h"
 #include "measure/scratch_folder.h"
@@ -25,9 +26,43 @@ struct FigureKind {
   std::string_view name;
   void (*draw)(std::span<const Record>, FigureScript&);
 };
-constexpr FigureKind drawn[] = {{"front", draw_front}, {"growth", draw_growth},        {"stages", draw_stages},
-                                {"map", draw_map},     {"causes", draw_causes},        {"motion", draw_motion},
-                                {"sweep", draw_sweep}, {"parameters", draw_parameters}};
+constexpr FigureKind drawn[] = {{"front", draw_front}, {"growth", draw_growth},         {"stages", draw_stages},
+                                {"map", draw_map},     {"causes", draw_causes},         {"motion", draw_motion},
+                                {"sweep", draw_sweep}, {"parameters", draw_parameters}, {"sheet", draw_sheet}};
+
+/// The texts behind a comment's beginning in a program, one a line.
+std::vector<std::string> comments(const std::string& script, std::string_view beginning) {
+  std::vector<std::string> texts;
+  std::istringstream lines(script);
+  for (std::string line; std::getline(lines, line);)
+    if (line.starts_with(beginning)) texts.push_back(line.substr(beginning.size()));
+  return texts;
+}
+
+std::string escaped(std::string_view text) {
+  std::string safe;
+  for (const char c : text) safe += c == '&' ? "&amp;" : c == '<' ? "&lt;" : c == '>' ? "&gt;" : std::string(1, c);
+  return safe;
+}
+
+/// gnuplot calls an SVG "Gnuplot" and its curves "gnuplot_plot_1", which browsers show: they get the names that the program
+/// says.
+void name_parts(const fs::path& svg, const std::string& script) {
+  std::ifstream file(svg);
+  const std::string drawn(std::istreambuf_iterator<char>(file), {});
+  std::vector<std::string> names = comments(script, "# Shows: ");
+  std::ranges::move(comments(script, "# Curve: "), std::back_inserter(names));
+  constexpr std::string_view opening = "<title>", closing = "</title>";
+  std::string named;
+  std::size_t from = 0, count = 0;
+  for (std::size_t at; (at = drawn.find(opening, from)) != drawn.npos && count < names.size(); ++count) {
+    named += drawn.substr(from, at - from) + std::string(opening) + escaped(names[count]);
+    from = drawn.find(closing, at);
+  }
+  named += drawn.substr(from);
+  // A program of other hands may draw more or fewer curves than it names.
+  if (count == names.size() && drawn.find(opening, from) == drawn.npos) std::ofstream(svg) << named;
+}
 
 }  // namespace
 
@@ -69,6 +104,7 @@ void run_gnuplot(const std::string& script, const fs::path& out) {
   const std::string complaint(std::istreambuf_iterator<char>(said), {});
   if (!WIFEXITED(status) || WEXITSTATUS(status) != 0 || !fs::exists(made) || fs::file_size(made) == 0)
     throw Error("gnuplot could not draw {}: {}", out.string(), complaint.empty() ? "it said nothing" : complaint);
+  if (out.extension() == ".svg") name_parts(made, script);
   fs::rename(made, target);
 }
 

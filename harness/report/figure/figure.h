@@ -7,16 +7,18 @@ namespace gnomon {
 
 struct FigureOptions {
   AnalysisOptions analysis = {};
-  Cost bars = Cost::geometry;  ///< stages: what a bar is the sum of
+  Cost bars = Cost::geometry;             ///< stages: what a bar is the sum of
+  std::vector<std::string> metrics = {};  ///< sweep: several quantities in one figure; none: that of the analysis
   std::string title = {};
   double width_cm = 16;
 };
 
-/// front, growth, stages, map, causes, motion, sweep, parameters.
+/// front, growth, stages, map, causes, motion, sweep, parameters, sheet.
 std::vector<std::string> figure_kinds();
 
 /// The gnuplot program that draws the figure of this kind into `out`, data included. The terminal follows the name's ending:
-/// .svg, .pdf, .png. Throws Error on another ending, on an unknown kind, and when the records have nothing to draw.
+/// .svg, .pdf, .png. A sheet reads the records' pictures, whose paths must lead to them from here. Throws Error on another
+/// ending, on an unknown kind, when the records have nothing to draw, and on numbers that gnuplot cannot draw.
 std::string figure_script(std::span<const Record> records, const std::string& kind, const FigureOptions& options,
                           const std::filesystem::path& out);
 

@@ -61,26 +61,34 @@ Bars bars_of(std::span<const Record> records, auto has) {
   return bars;
 }
 
-/// The frame of a figure of horizontal bars, the first on top.
-void open_bars(FigureScript& script, std::span<const Bar> bars) {
-  const FigureOptions& options = script.options;
+/// The frame of a figure of horizontal bars, the first on top; `right_cm` of it are for numbers behind them. Names that are
+/// longer than a good third of the figure go on in further lines, for which all bars get room.
+void open_bars(FigureScript& script, std::span<const Bar> bars, const std::string& x_label, double right_cm) {
+  const double width = script.options.width_cm, most_cm = 0.4 * width - 0.4;
   if (bars.size() > 60)
     throw Error("{} settings are more than the 60 that one figure holds; --filter chooses among them", bars.size());
-  std::size_t longest = 0;
-  for (const Bar& bar : bars) longest = std::max(longest, display_width(bar.name));
-  const double legend_cm = script.legend_cm(), title_cm = options.title.empty() ? 0.2 : 0.9;
-  script.height_cm = static_cast<double>(bars.size()) * 0.55 + 1.5 + legend_cm + title_cm;
+  std::size_t lines = 1;
+  double longest_cm = 0;
+  for (const Bar& bar : bars) {
+    lines = std::max(lines, FigureScript::line_count(bar.name, most_cm));
+    longest_cm = std::max(longest_cm, FigureScript::text_cm(bar.name));
+  }
+  const double left_cm = std::min(longest_cm, most_cm) + 0.5, bar_cm = std::max(0.55, 0.4 * static_cast<double>(lines) + 0.1);
+  const std::size_t label_lines = FigureScript::line_count(x_label, width - left_cm);
+  const double bottom_cm = script.legend_cm() + 0.8 + 0.4 * static_cast<double>(label_lines),
+               title_cm = script.title_cm() + 0.3;
+  script.height_cm = static_cast<double>(bars.size()) * bar_cm + 0.3 + bottom_cm + title_cm;
   const double h = script.height_cm;
-  script.add("set multiplot{}", options.title.empty() ? "" : " title " + FigureScript::quoted(options.title));
-  script.add("set lmargin at screen {:.4f}; set rmargin at screen {:.4f}",
-             std::min(0.55, (static_cast<double>(longest) * 0.165 + 0.4) / options.width_cm), 1 - 0.9 / options.width_cm);
-  script.add("set bmargin at screen {:.4f}; set tmargin at screen {:.4f}", (legend_cm + 1.2) / h, 1 - title_cm / h);
+  script.add("set multiplot{}", script.title_text());
+  script.add("set lmargin at screen {:.4f}; set rmargin at screen {:.4f}", left_cm / width, 1 - right_cm / width);
+  script.add("set bmargin at screen {:.4f}; set tmargin at screen {:.4f}", bottom_cm / h, 1 - title_cm / h);
   script.add("unset key; set yrange [{}:0.4]; unset grid; set grid x back lt 1 lw 0.5 lc rgb '#e2e2e2'",
              static_cast<double>(bars.size()) + 0.6);
   std::vector<std::string> names;
   for (std::size_t i = 0; i < bars.size(); ++i)
-    names.push_back(fmt::format("{} {}", FigureScript::quoted_tic(bars[i].name), i + 1));
+    names.push_back(fmt::format("{} {}", FigureScript::quoted_tic_lines(bars[i].name, most_cm), i + 1));
   script.add("set ytics ({}) scale 0", joined(names, ", "));
+  script.add("set xlabel {}", FigureScript::quoted_lines(x_label, width - left_cm));
   script.add("set style fill solid 1 noborder");
 }
 
@@ -111,9 +119,36 @@ CauseShares shares_of(const Bar& bar, std::span<const CauseInfo> causes) {
 
 /// A piece of every bar: a stage or a cause.
 struct Piece {
-  std::string name, color;
+  std::string name;
+  std::string_view color = {};
   std::vector<double> lengths = {};  ///< one a bar
+
+  double sum() const { return std::accumulate(lengths.begin(), lengths.end(), 0.0); }
 };
+
+/// The pieces that are there, each in a color of series: where they are more than the colors the largest, then all others in
+/// one.
+std::vector<Piece> with_colors(std::vector<Piece> pieces) {
+  std::erase_if(pieces, [&](const Piece& piece) { return piece.sum() == 0; });
+  if (const std::size_t most = figure_colors.size(); pieces.size() > most) {
+    std::vector<double> sums;
+    for (const Piece& piece : pieces) sums.push_back(piece.sum());
+    std::ranges::sort(sums, std::greater());
+    std::vector<Piece> kept;
+    Piece rest{.name = fmt::format("{} other causes", pieces.size() - most + 1)};
+    rest.lengths.resize(pieces.front().lengths.size());
+    for (Piece& piece : pieces) {
+      if (kept.size() + 1 < most && piece.sum() >= sums[most - 2])
+        kept.push_back(std::move(piece));
+      else
+        std::ranges::transform(rest.lengths, piece.lengths, rest.lengths.begin(), std::plus());
+    }
+    kept.push_back(std::move(rest));
+    pieces = std::move(kept);
+  }
+  for (std::size_t k = 0; k < pieces.size(); ++k) pieces[k].color = figure_colors[k];
+  return pieces;
+}
 
 /// "build, relight and resolve".
 std::string with_and(std::vector<std::string> words) {
@@ -133,7 +168,7 @@ PlotCommand plot_pieces(std::span<const Piece> pieces, FigureScript& script) {
       ends[k] += piece.lengths[k];
     }
     if (lines.empty()) continue;
-    plot.add("{} using 1:2:3:4:5:6 with boxxyerror lc rgb '{}' notitle", script.data(lines), piece.color);
+    plot.add(piece.name, "{} using 1:2:3:4:5:6 with boxxyerror lc rgb '{}' notitle", script.data(lines), piece.color);
     script.legend.push_back({fmt::format("with points pt 5 ps 1.15 lc rgb '{}'", piece.color), piece.name});
   }
   return plot;
@@ -142,8 +177,6 @@ PlotCommand plot_pieces(std::span<const Piece> pieces, FigureScript& script) {
 }  // namespace
 
 void draw_stages(std::span<const Record> records, FigureScript& script) {
-  static constexpr std::array colors{"#cc79a7", "#e69f00", "#d55e00", "#56b4e9", "#009e73"};  // by stage
-  static_assert(colors.size() == std::size(all_stages));
   const std::span<const TimedPart> parts = parts_of(script.options.bars);
   if (parts.empty())
     throw Error("--cost {} has no stages: bars are of resolve, light, geometry or motion", name(script.options.bars));
@@ -154,7 +187,7 @@ void draw_stages(std::span<const Record> records, FigureScript& script) {
   std::vector<std::string> names;
   for (const TimedPart part : parts) {
     names.push_back(with_blanks(name(part)));
-    pieces.push_back({names.back(), colors[static_cast<std::size_t>(part.stage)]});
+    pieces.push_back({names.back(), figure_colors[static_cast<std::size_t>(part.stage)]});
   }
   if (bars.empty()) throw Error("there is nothing to draw: no place has {} of every setting", with_and(names));
 
@@ -173,10 +206,12 @@ void draw_stages(std::span<const Record> records, FigureScript& script) {
     }
   }
   PlotCommand plot = plot_pieces(pieces, script);
-  plot.add("{} using 1:2:3:4 with xerrorbars pt -1 lw 1.2 lc rgb '#222222' notitle", script.data(totals));
-  script.legend.push_back({"with lines lw 1.2 lc rgb '#222222'", "95 % interval of the sum"});
-  open_bars(script, bars);
-  script.add("set xrange [0:*]; set xlabel {}", FigureScript::quoted("time (ms)" + places.over_text()));
+  const std::string interval_style = fmt::format("lw 1.2 lc rgb '{}'", ink_color), interval = "95 % interval of the sum";
+  plot.add(interval, "{} using 1:2:3:4 with xerrorbars pt -1 {} notitle", script.data(totals), interval_style);
+  script.legend.push_back({"with lines " + interval_style, interval});
+  script.shows = "time of " + with_and(names) + places.over_text();
+  open_bars(script, bars, "time (ms)" + places.over_text(), 0.9);
+  script.add("set xrange [0:*]");
   plot.into(script);
   close_panels(script);
 }
@@ -191,22 +226,23 @@ void draw_causes(std::span<const Record> records, FigureScript& script) {
   for (const Bar& bar : bars) shares.push_back(shares_of(bar, causes));
   std::vector<Piece> pieces;
   for (const CauseInfo& info : causes) {
-    pieces.push_back({with_blanks(info.name), fmt::format("#{:02x}{:02x}{:02x}", info.color[0], info.color[1], info.color[2])});
+    pieces.push_back({with_blanks(info.name)});
     for (const CauseShares& bar : shares) pieces.back().lengths.push_back(bar.by_cause.find(info.name)->second * 100);
   }
+  pieces = with_colors(std::move(pieces));
+  if (pieces.empty()) throw Error("there is nothing to draw: no setting has a wrong pixel with a cause");
   const PlotCommand plot = plot_pieces(pieces, script);
-  if (plot.is_empty()) throw Error("there is nothing to draw: no setting has a wrong pixel with a cause");
-  open_bars(script, bars);
-  script.add("set rmargin at screen {:.4f}", 1 - 2.2 / script.options.width_cm);
+  const auto is_hard_row = [](const Record* row) { return !has_cause_errors(row->answer); };
+  const bool is_hard = std::ranges::all_of(bars, [&](const Bar& bar) { return std::ranges::all_of(bar.rows, is_hard_row); });
+  const std::string share = is_hard ? "share of the wrong pixels (%)" : "share of the error (%)";
+  script.shows = share + " by cause" + places.over_text();
+  open_bars(script, bars, share + places.over_text(), 2.2);
   for (std::size_t k = 0; k < bars.size(); ++k)
     script.add("set label {} at 101.5,{} left textcolor rgb '#222222'",
                FigureScript::quoted(measured(100 * shares[k].error) + " %"), k + 1);
-  const auto is_hard_row = [](const Record* row) { return !has_cause_errors(row->answer); };
-  const bool is_hard = std::ranges::all_of(bars, [&](const Bar& bar) { return std::ranges::all_of(bar.rows, is_hard_row); });
   script.add("set label 'error' at 101.5,0.2 left textcolor rgb '#666666'");
   script.add("set yrange [{}:-0.2]", static_cast<double>(bars.size()) + 0.6);
-  script.add("set xrange [0:100]; set xlabel {}",
-             FigureScript::quoted((is_hard ? "share of the wrong pixels (%)" : "share of the error (%)") + places.over_text()));
+  script.add("set xrange [0:100]");
   plot.into(script);
   close_panels(script);
 }

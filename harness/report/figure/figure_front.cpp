@@ -1,6 +1,6 @@
 // Error against cost: every setting a mark with its interval, the front a staircase. A panel for each kind of light.
 #include "measure/counted.h"
-#include "report/figure/figure_script.h"
+#include "report/figure/figure_axis.h"
 
 namespace gnomon {
 
@@ -11,9 +11,10 @@ constexpr std::size_t most_named = 16;
 
 /// What all panels share.
 struct FrontLegend {
-  bool is_named = false;              ///< each setting has a color of its own; else each technique
-  std::vector<std::string> names;     ///< that have colors
-  std::vector<std::string> numbered;  ///< settings on a front, numbered where they are too many to name them all
+  bool is_named = false;                ///< each setting has a color of its own; else each technique
+  std::vector<std::string> names;       ///< of contenders, that have colors
+  std::vector<std::string> references;  ///< that have crosses
+  std::vector<std::string> numbered;    ///< settings on a front, numbered where they are too many to name them all
   bool has_front = false, has_floor = false, has_constant = false;
 
   const std::string& name_of(const Candidate& c) const { return is_named ? c.setting : c.technique; }
@@ -60,24 +61,25 @@ class FrontPanel {
     number_front(legend);
   }
 
-  void set_axes(FigureScript& script, bool is_only) const {
+  std::string x_label(bool is_only) const {
     const std::string over = field_.place ? "" : ", geometric mean over " + counted(field_.places, "place{s}");
-    const std::string x_label = fmt::format("{} ({}){}", sentence(options_.cost), cost_column_.shown_unit, is_only ? over : "");
-    script.add("set xlabel {}", FigureScript::quoted(x_label));
-    script.add("set ylabel {}", FigureScript::quoted(axis_label(error_column_) + (field_.place ? "" : ", mean")));
-    const double left = costs_.least / 1.3, right = costs_.greatest * 1.3;
-    script.add("set logscale x; set xtics {}; set xrange [{}:{}]", log_tics(left, right, is_only ? 8 : 5), left, right);
+    return fmt::format("{} ({}){}", sentence(options_.cost), cost_column_.shown_unit, is_only ? over : "");
+  }
+  std::string y_label() const { return axis_label(error_column_) + (field_.place ? "" : ", mean"); }
+
+  void set_axes(FigureScript& script, const PanelGrid& grid) const {
+    const auto [left, right] = x_ends();
+    script.add("set logscale x; set xtics {}; set xrange [{}:{}]", log_tics(left, right, grid.x_labels()), left, right);
     if (is_log_) {
-      const double bottom = has_zero_ ? zero_ / 1.5 : errors_.least / 2;
-      const double first_tic = has_zero_ ? errors_.least / 1.5 : bottom;
-      script.add("set logscale y; set ytics {}; set yrange [{}:{}]", log_tics(first_tic, top_, 8), bottom, top_);
+      const double first_tic = has_zero_ ? errors_.least / 1.5 : bottom();
+      script.add("set logscale y; set ytics {}; set yrange [{}:{}]", log_tics(first_tic, top_, grid.y_labels()), bottom(),
+                 top_);
       if (has_zero_) script.add("set ytics add ('0' {})", zero_);
     } else {
-      script.add("unset logscale y; set ytics autofreq; set yrange [0:{}]",
-                 is_higher_better_ ? "*" : fmt::format("{}", top_ > 0 ? top_ : 1));
+      script.add("unset logscale y; set ytics autofreq; set yrange [0:{}]", top_ > 0 ? top_ : 1);
     }
     script.add("unset label");
-    for (const std::string& number : numbers_) script.add("{}", number);
+    write_numbers(script, grid);
   }
 
   const std::vector<const Candidate*>& shown() const { return shown_; }
@@ -92,9 +94,10 @@ class FrontPanel {
     std::vector<std::string> lines{fmt::format("{}\t{}", x(*front_.front()), is_higher_better_ ? 0 : top_)};
     for (const Candidate* c : front_) lines.push_back(fmt::format("{}\t{}", x(*c), y(*c)));
     lines.push_back(fmt::format("{}\t{}", costs_.greatest * 1.3, y(*front_.back())));
-    plot.add("{} using 1:2 with steps lw 1.6 lc rgb '#bbbbbb' notitle", script.data(lines));
+    const std::string style = fmt::format("lw 1.6 lc rgb '{}'", faint_color);
+    plot.add("front", "{} using 1:2 with steps {} notitle", script.data(lines), style);
     if (std::exchange(legend.has_front, true)) return;
-    script.legend.push_back({"with lines lw 1.6 lc rgb '#bbbbbb'", "front"});
+    script.legend.push_back({"with lines " + style, "front"});
   }
 
   /// A line at an error that others are read against; none at 0.
@@ -102,8 +105,8 @@ class FrontPanel {
     if (level <= 0) return;
     const std::vector<std::string> lines{fmt::format("{}\t{}", costs_.least / 1.3, level),
                                          fmt::format("{}\t{}", costs_.greatest * 1.3, level)};
-    const std::string style = fmt::format("with lines dt {} lw 1.2 lc rgb '#888888'", dashes);
-    plot.add("{} using 1:2 {} notitle", script.data(lines), style);
+    const std::string style = fmt::format("with lines dt {} lw 1.2 lc rgb '{}'", dashes, ink_color);
+    plot.add(name, "{} using 1:2 {} notitle", script.data(lines), style);
     if (std::exchange(is_said, true)) return;
     script.legend.push_back({style, name});
   }
@@ -117,13 +120,16 @@ class FrontPanel {
       for (const Candidate* c : candidates)
         lines.push_back(fmt::format("{}\t{}\t{}\t{}", x(*c), y(*c), c->cost->low * cost_column_.shown_scale,
                                     c->cost->high * cost_column_.shown_scale));
-      const std::size_t k = index_of(legend.names, name);
-      const bool is_new = k == legend.names.size(), is_contender = candidates.front()->role == Role::contender;
-      if (is_new) legend.names.push_back(name);
-      const std::string style =
-          is_contender ? fmt::format("pt {} ps {} lc rgb '{}'", series_mark(k), legend.is_named ? 1.0 : 0.6, series_color(k))
-                       : "pt 2 ps 0.9 lw 1.4 lc rgb '#555555'";
-      plot.add("{} using 1:2:3:4 with xerrorbars {} notitle", script.data(lines), style);
+      const bool is_contender = candidates.front()->role == Role::contender;
+      std::vector<std::string>& known = is_contender ? legend.names : legend.references;
+      const std::size_t k = index_of(known, name);
+      const bool is_new = k == known.size();
+      if (is_new) known.push_back(name);
+      if (is_contender) require_series(known.size(), "techniques");
+      const std::string style = is_contender ? fmt::format("pt {} ps {} lc rgb '{}'", series_style(k).mark,
+                                                           legend.is_named ? 1.0 : 0.6, series_style(k).color)
+                                             : fmt::format("pt {} ps 0.9 lw 1.4 lc rgb '{}'", reference_mark(k), ink_color);
+      plot.add(name, "{} using 1:2:3:4 with xerrorbars {} notitle", script.data(lines), style);
       if (is_new) script.legend.push_back({"with points " + style, name + (is_contender ? "" : " (reference)")});
     }
   }
@@ -133,9 +139,30 @@ class FrontPanel {
     if (legend.is_named || front_.size() > most_named) return;
     for (const Candidate* c : front_) {
       add_once(legend.numbered, c->setting);
-      numbers_.push_back(fmt::format("set label '{}' at {},{} right offset -0.3,-0.7 textcolor rgb '#222222'",
-                                     index_of(legend.numbered, c->setting) + 1, x(*c), y(*c)));
+      numbers_.push_back(fmt::format("{}", index_of(legend.numbered, c->setting) + 1));
     }
+  }
+
+  std::pair<double, double> x_ends() const { return {costs_.least / 1.3, costs_.greatest * 1.3}; }
+  double bottom() const { return has_zero_ ? zero_ / 1.5 : errors_.least / 2; }
+
+  /// Where a mark lies in its panel; an axis without a known end is not looked at.
+  PanelPoint place(const Candidate& c, const PanelGrid& grid) const {
+    const auto [left, right] = x_ends();
+    const double across = std::log(x(c) / left) / std::log(right / left);
+    const double up = is_log_ ? std::log(y(c) / bottom()) / std::log(top_ / bottom()) : y(c) / (top_ > 0 ? top_ : 1);
+    return {across * grid.width_cm, up * grid.height_cm};
+  }
+
+  void write_numbers(FigureScript& script, const PanelGrid& grid) const {
+    if (numbers_.empty()) return;
+    std::vector<PanelPoint> marks, all;
+    for (const Candidate* c : front_) marks.push_back(place(*c, grid));
+    for (const Candidate* c : shown_) all.push_back(place(*c, grid));
+    const std::vector<PanelPoint> offsets = label_offsets(marks, numbers_, all, grid);
+    for (std::size_t k = 0; k < numbers_.size(); ++k)
+      script.add("set label '{}' at {},{} center offset graph {:.4f},graph {:.4f} textcolor rgb '#222222'", numbers_[k],
+                 x(*front_[k]), y(*front_[k]), offsets[k].x / grid.width_cm, offsets[k].y / grid.height_cm);
   }
 
   double x(const Candidate& c) const { return c.cost->value * cost_column_.shown_scale; }
@@ -153,7 +180,7 @@ class FrontPanel {
   double floor_ = 0;       ///< what the reference's own noise makes; 0: there is none to draw
   double constant_ = 0;    ///< error of the best constant mask; the same
   double zero_ = 0, top_ = 0;
-  std::vector<std::string> numbers_;  ///< commands that write numbers beside marks
+  std::vector<std::string> numbers_;  ///< beside the marks of `front_`
 };
 
 /// Over which places, where there are two panels.
@@ -180,16 +207,19 @@ void draw_front(std::span<const Record> records, FigureScript& script) {
     if (field->place) places.push_back(*field->place);
   }
   if (panels.empty()) throw Error("there is nothing to draw: no contender has {} and {}", wanted.metric, sentence(wanted.cost));
-  FrontLegend legend{.is_named = settings.size() <= most_named, .names = {}, .numbered = {}};
+  FrontLegend legend{.is_named = settings.size() <= most_named, .names = {}, .references = {}, .numbered = {}};
   for (FrontPanel& panel : panels) panel.add_data(script, legend);
   for (std::size_t k = 0; k < legend.numbered.size(); ++k)
     script.legend.push_back({"with points pt 0 lc rgb '#ffffff'", fmt::format("{}: {}", k + 1, legend.numbered[k])});
   const bool is_only = panels.size() == 1;
-  open_panels(script, panels.size(), 2, script.options.width_cm * (is_only ? 0.55 : 0.42));
-  for (const FrontPanel& panel : panels) {
-    if (!is_only) open_panel(script, title_of(panel.field(), places), "");
-    panel.set_axes(script, is_only);
-    panel.plot.into(script);
+  PanelFrame frame{.titles = {}, .x_label = panels.front().x_label(is_only), .y_label = panels.front().y_label()};
+  for (const FrontPanel& panel : panels) frame.titles.push_back(is_only ? "" : title_of(panel.field(), places));
+  script.shows = fmt::format("{} against {}", frame.y_label, frame.x_label);
+  const PanelGrid grid = open_panels(script, frame);
+  for (std::size_t k = 0; k < panels.size(); ++k) {
+    open_panel(script, grid, frame.titles[k], panels[k].y_label());
+    panels[k].set_axes(script, grid);
+    panels[k].plot.into(script);
   }
   close_panels(script);
 }

@@ -1,5 +1,5 @@
 // Time of each stage, or a quantity, against an axis, both logarithmic, with the fitted lines and their exponents.
-#include "report/figure/figure_script.h"
+#include "report/figure/figure_axis.h"
 
 namespace gnomon {
 
@@ -10,12 +10,13 @@ namespace {
 struct DrawnGrowths {
   std::vector<const Growth*> rows = {};
   std::vector<Place> places = {};
-  std::vector<std::string> settings = {}, stages = {};
+  std::vector<std::string> settings = {}, stages = {}, series = {};
   Extent x = {}, y = {};  ///< of the points that are fitted
-  double scale = 1;       ///< of values as people see them
+  std::string axis = {};
+  double scale = 1;  ///< of values as people see them
   bool is_time = true;
 
-  bool has_marks() const { return is_time && places.size() > 1; }  ///< that distinguish places
+  bool has_places() const { return is_time && places.size() > 1; }  ///< in one panel
   std::size_t panel_count() const { return is_time ? stages.size() : places.size(); }
   std::size_t panel_of(const Growth& growth) const {
     return is_time ? index_of(stages, growth.stage) : index_of(places, growth.place);
@@ -38,8 +39,8 @@ bool is_drawn(const Growth& growth) {
   return growth.role != Role::baseline && growth.points.size() >= 2 && (growth.exponent || growth.left_out == 0);
 }
 
-DrawnGrowths choose(const Growths& growths, double scale) {
-  DrawnGrowths drawn{.scale = scale, .is_time = growths.quantity.empty()};
+DrawnGrowths choose(const Growths& growths, const std::string& axis, double scale) {
+  DrawnGrowths drawn{.axis = axis, .scale = scale, .is_time = growths.quantity.empty()};
   for (const Growth& growth : growths.rows) {
     if (!is_drawn(growth)) continue;
     drawn.rows.push_back(&growth);
@@ -61,49 +62,58 @@ DrawnGrowths choose(const Growths& growths, double scale) {
   return drawn;
 }
 
-/// Color and mark of a series. Color shows the setting, mark the place where a panel holds several; of a single setting color
-/// shows the place too.
-std::pair<std::string, int> style_of(const Growth& growth, const DrawnGrowths& drawn) {
-  static constexpr int marks[] = {7, 5, 9, 11, 13, 6, 4, 8, 10, 12};
-  const std::size_t setting = index_of(drawn.settings, growth.setting), place = index_of(drawn.places, growth.place);
-  return {series_color(drawn.settings.size() > 1 || !drawn.has_marks() ? setting : place),
-          drawn.has_marks() ? marks[place % std::size(marks)] : series_mark(setting)};
+/// What is called the same in every panel.
+std::string series_name(const Growth& growth, const DrawnGrowths& drawn) {
+  return growth.setting + (drawn.has_places() ? fmt::format(" ({})", title(growth.place, drawn.places)) : "");
 }
 
-void add_legend(const DrawnGrowths& drawn, FigureScript& script) {
+/// Color shows the setting, mark the place where a panel holds several. Where there are too few of them every series has its
+/// own.
+SeriesStyle style_of(const Growth& growth, const DrawnGrowths& drawn) {
+  const bool do_marks_suffice = drawn.settings.size() > 1 && drawn.settings.size() <= figure_colors.size() &&
+                                drawn.places.size() <= most_marks && drawn.has_places();
+  if (!do_marks_suffice) return series_style(index_of(drawn.series, series_name(growth, drawn)));
+  return {figure_colors[index_of(drawn.settings, growth.setting)], series_mark(index_of(drawn.places, growth.place)), 1};
+}
+
+void add_legend(DrawnGrowths& drawn, FigureScript& script) {
+  for (const Growth* growth : drawn.rows) add_once(drawn.series, series_name(*growth, drawn));
+  require_series(drawn.series.size(), drawn.has_places() ? "settings and places" : "settings");
   for (const Growth* growth : drawn.rows) {
-    const auto [color, mark] = style_of(*growth, drawn);
-    const std::string text =
-        growth->setting + (drawn.has_marks() ? fmt::format(" ({})", title(growth->place, drawn.places)) : "");
+    const auto [color, mark, dashes] = style_of(*growth, drawn);
+    const std::string text = series_name(*growth, drawn);
     if (std::ranges::find(script.legend, text, &FigureScript::LegendEntry::text) == script.legend.end())
-      script.legend.push_back({fmt::format("with linespoints pt {} lc rgb '{}'", mark, color), text});
+      script.legend.push_back({fmt::format("with linespoints pt {} dt {} lc rgb '{}'", mark, dashes, color), text});
   }
 }
 
 /// Marks with their intervals, and the fitted line where there is one.
 void add_series(const Growth& growth, const DrawnGrowths& drawn, FigureScript& script, GrowthPanel& panel) {
-  const auto [color, mark] = style_of(growth, drawn);
+  const auto [color, mark, dashes] = style_of(growth, drawn);
+  const std::string name = series_name(growth, drawn);
   std::vector<std::string> lines;
   for (const Growth::Point& point : growth.points)
     if (point.is_fitted())
       lines.push_back(fmt::format("{}\t{}\t{}\t{}", point.x, drawn.scale * point.value.value, drawn.scale * point.value.low,
                                   drawn.scale * point.value.high));
-  panel.plot.add("{} using 1:2:3:4 with yerrorbars pt {} ps 0.7 lc rgb '{}' notitle", script.data(lines), mark, color);
+  panel.plot.add(name, "{} using 1:2:3:4 with yerrorbars pt {} ps 0.7 lc rgb '{}' notitle", script.data(lines), mark, color);
   if (!growth.exponent) return;
   const double from = growth.points.front().x, to = growth.points.back().x, exponent = growth.exponent->value;
   const auto at = [&](double x) { return drawn.scale * growth.coefficient * std::pow(x, exponent); };
-  panel.plot.add("{} using 1:2 with lines lw 1.2 lc rgb '{}' notitle",
-                 script.data({fmt::format("{}\t{}", from, at(from)), fmt::format("{}\t{}", to, at(to))}), color);
+  panel.plot.add(fmt::format("{}, {} to the power {:.2f}", name, drawn.axis, exponent),
+                 "{} using 1:2 with lines lw 1.2 dt {} lc rgb '{}' notitle",
+                 script.data({fmt::format("{}\t{}", from, at(from)), fmt::format("{}\t{}", to, at(to))}), dashes, color);
   // Never "-0.00".
-  panel.exponents.push_back({at(to), fmt::format("{:.2f}", std::abs(exponent) < 0.005 ? 0.0 : exponent), color});
+  panel.exponents.push_back({at(to), fmt::format("{:.2f}", std::abs(exponent) < 0.005 ? 0.0 : exponent), std::string(color)});
 }
 
 /// Exponents are written where their lines end, pushed apart upward where they would cover one another. More than a few would
 /// be far from their lines and are left out; the table has them all.
-void label_exponents(std::vector<ExponentLabel> labels, double x, double bottom, double top, FigureScript& script) {
+void label_exponents(std::vector<ExponentLabel> labels, double x, double bottom, double top, double height_cm,
+                     FigureScript& script) {
   if (labels.size() > 8) return;
   std::sort(labels.begin(), labels.end(), [](const auto& a, const auto& b) { return a.y < b.y; });
-  const double step = std::pow(top / bottom, 0.062);
+  const double step = std::pow(top / bottom, 0.34 / height_cm);
   double highest = top / std::pow(step, static_cast<double>(labels.size()));  // leaves room for those above
   for (std::size_t k = 0; k < labels.size(); ++k, highest *= step) {
     if (k > 0) labels[k].y = std::max(labels[k].y, labels[k - 1].y * step);
@@ -121,32 +131,38 @@ void draw_growth(std::span<const Record> records, FigureScript& script) {
   const Growths growths = find_growth(records, axis, quantity);
   const bool is_time = quantity.empty();
   const Column column = is_time ? Column{} : quantity_column(quantity);
-  const DrawnGrowths drawn = choose(growths, is_time ? 1 : column.shown_scale);
+  DrawnGrowths drawn = choose(growths, axis, is_time ? 1 : column.shown_scale);
   if (drawn.rows.empty())
     throw Error("there is nothing to draw: no setting has {} at two values of {}", is_time ? "times" : quantity, axis);
   require_panels(drawn.panel_count(), "scenes, lights and views");
   std::vector<GrowthPanel> panels(drawn.panel_count());
   std::vector<double> xs;
+  add_legend(drawn, script);
   for (const Growth* growth : drawn.rows) {
     add_series(*growth, drawn, script, panels[drawn.panel_of(*growth)]);
     for (const Growth::Point& point : growth->points) xs.push_back(point.x);
   }
 
-  add_legend(drawn, script);
-  const std::size_t columns = open_panels(script, panels.size(), 3, script.options.width_cm / 2.3);
+  const std::string y_label = is_time ? "time (ms)" : axis_label(column);
+  script.shows = fmt::format("{} against {}", y_label, axis);
+  PanelFrame frame{.titles = {}, .x_label = axis, .y_label = y_label, .most_columns = 3, .height_per_width = 1.1};
+  for (std::size_t k = 0; k < panels.size(); ++k) frame.titles.push_back(drawn.panel_title(k));
+  const PanelGrid grid = open_panels(script, frame);
   const double bottom = drawn.y.least / 1.6, top = drawn.y.greatest * 1.6;
-  const double span = drawn.x.greatest / drawn.x.least;  // the right margin holds the exponents
-  const double left = drawn.x.least / std::pow(span, 0.06), right = drawn.x.greatest * std::pow(span, 0.3);
-  const std::string at_values = value_tics(std::move(xs), panels.size() > 2 ? 0.2 : 0.1);
-  script.add("set logscale xy; set xtics {}; set ytics {}", at_values.empty() ? log_tics(left, drawn.x.greatest, 4) : at_values,
-             log_tics(bottom, top, 8));
+  // The right margin holds the exponents.
+  const double span = drawn.x.greatest / drawn.x.least, margin = 1.1 / grid.width_cm;
+  const double left = drawn.x.least / std::pow(span, 0.06),
+               right = drawn.x.greatest * std::pow(span, 1.06 * margin / (1 - margin));
+  const std::size_t labels = grid.x_labels() * 2 / 3 + 1;
+  const std::string at_values = value_tics(std::move(xs), 1 / static_cast<double>(labels));
+  script.add("set logscale xy; set xtics {}; set ytics {}",
+             at_values.empty() ? log_tics(left, drawn.x.greatest, labels) : at_values, log_tics(bottom, top, grid.y_labels()));
   script.add("set xrange [{}:{}]", left, right);
   script.add("set yrange [{}:{}]", bottom, top);
-  script.add("set xlabel {}", FigureScript::quoted(axis));
   for (std::size_t k = 0; k < panels.size(); ++k) {
-    open_panel(script, drawn.panel_title(k), k % columns > 0 ? "" : is_time ? "time (ms)" : axis_label(column));
+    open_panel(script, grid, drawn.panel_title(k), k % grid.columns > 0 ? "" : y_label);
     script.add("unset label");
-    label_exponents(panels[k].exponents, drawn.x.greatest, bottom, top, script);
+    label_exponents(panels[k].exponents, drawn.x.greatest, bottom, top, grid.height_cm, script);
     panels[k].plot.into(script);
   }
   close_panels(script);

@@ -1,7 +1,7 @@
 // A metric at every frame of a path, one panel for each scene, light and path; where the camera stands still a second panel has
 // the flicker by its lag.
 #include "measure/score/over_time.h"
-#include "report/figure/figure_script.h"
+#include "report/figure/figure_axis.h"
 
 namespace gnomon {
 
@@ -10,6 +10,7 @@ namespace {
 struct Panel {
   std::string title;
   PlotCommand plot = {};
+  double least = 0;  ///< of its values, if it is below 0
 };
 
 /// The rows of a figure, and what their curves look like.
@@ -19,7 +20,8 @@ struct Motions {
   std::vector<std::string> settings;
 
   std::string style(std::size_t setting) const {
-    return fmt::format("with linespoints pt {} ps 0.5 lw 1.3 lc rgb '{}'", series_mark(setting), series_color(setting));
+    const auto [color, mark, dashes] = series_style(setting);
+    return fmt::format("with linespoints pt {} ps 0.5 lw 1.3 dt {} lc rgb '{}'", mark, dashes, color);
   }
   std::string style(const PathErrors& row) const { return style(index_of(settings, setting_name(*row.record))); }
   std::size_t place(const PathErrors& row) const { return index_of(places, place_of(*row.record)); }
@@ -49,10 +51,14 @@ std::vector<Panel> frame_panels(const Motions& motions, const Column& column, Fi
     const auto found = motion.record->frames.find(column.name);
     if (found == motion.record->frames.end()) continue;
     std::vector<std::string> lines;
+    Panel& panel = panels[motions.place(motion)];
     for (std::size_t frame = 0; frame < found->second.size(); ++frame)
-      if (const auto& value = found->second[frame]) lines.push_back(fmt::format("{}\t{}", frame, *value * column.shown_scale));
+      if (const auto& value = found->second[frame]) {
+        lines.push_back(fmt::format("{}\t{}", frame, *value * column.shown_scale));
+        panel.least = std::min(panel.least, *value);
+      }
     if (lines.empty()) continue;
-    panels[motions.place(motion)].plot.add("{} using 1:2 {} notitle", script.data(lines), motions.style(motion));
+    panel.plot.add(setting_name(*motion.record), "{} using 1:2 {} notitle", script.data(lines), motions.style(motion));
   }
   return panels;
 }
@@ -66,7 +72,8 @@ std::vector<Panel> flicker_panels(const Motions& motions, const Column& column, 
       if (const std::optional<double> value = motion.record->metric(flicker.name))
         lines.push_back(fmt::format("{}\t{}", flicker.sixtieths / 60.0, *value * column.shown_scale));
     if (lines.empty()) continue;
-    panels[motions.place(motion)].plot.add("{} using 1:2 {} notitle", script.data(lines), motions.style(motion));
+    panels[motions.place(motion)].plot.add(setting_name(*motion.record), "{} using 1:2 {} notitle", script.data(lines),
+                                           motions.style(motion));
   }
   std::erase_if(panels, [](const Panel& panel) { return panel.plot.is_empty(); });
   return panels;
@@ -90,16 +97,23 @@ void draw_motion(std::span<const Record> records, FigureScript& script) {
   const std::vector<Panel> by_lag = flicker_panels(motions, flicker, script);
   const std::size_t count = by_frame.size() + by_lag.size();
   require_panels(count, by_lag.empty() ? "scenes, lights and paths" : "scenes, lights and paths, two of each");
+  require_series(motions.settings.size(), "settings");
   for (std::size_t k = 0; k < motions.settings.size(); ++k) script.legend.push_back({motions.style(k), motions.settings[k]});
 
   std::size_t last = 1;
   for (const PathErrors& motion : motions.rows) last = std::max(last, motion.frames - 1);
-  const std::size_t columns = open_panels(script, count, 2, script.options.width_cm * (count == 1 ? 0.5 : 0.36));
-  script.add("set xrange [0:{}]; set yrange [0:*]; set xlabel 'frame' offset 0,0.4", last);
+  script.shows = fmt::format("{} by frame", axis_label(column));
+  PanelFrame frame{.titles = {}, .x_label = "frame", .y_label = axis_label(column)};
+  for (const auto* panels : {&by_frame, &by_lag})
+    for (const Panel& panel : *panels) frame.titles.push_back(panel.title);
+  const PanelGrid grid = open_panels(script, frame);
+  script.add("set xrange [0:{}]; set xtics {}", last,
+             std::max(1.0, linear_step(0, static_cast<double>(last), grid.x_labels(4))));
   std::size_t panel = 0;
   const auto draw = [&](const std::vector<Panel>& panels, const std::string& label) {
     for (const Panel& one : panels) {
-      open_panel(script, one.title, panel % columns == 0 || &one == &panels.front() ? label : "");
+      open_panel(script, grid, one.title, panel % grid.columns == 0 || &one == &panels.front() ? label : "");
+      script.add("set yrange [{}:*]", one.least < 0 ? "*" : "0");
       one.plot.into(script);
       ++panel;
     }

@@ -1,5 +1,5 @@
 // What each parameter of a technique did to a quantity: all settings as points, the best one of each value joined by lines.
-#include "report/figure/figure_script.h"
+#include "report/figure/figure_axis.h"
 
 namespace gnomon {
 
@@ -45,6 +45,13 @@ std::vector<std::string> values_of(const std::vector<DrawnSetting>& settings, co
   return values;
 }
 
+constexpr std::string_view best_setting = "best setting with this value", every_setting = "every setting";
+std::string best_style() {
+  const SeriesStyle style = series_style(0);
+  return fmt::format("with linespoints pt {} ps 0.8 lw 1.4 lc rgb '{}'", style.mark, style.color);
+}
+std::string cloud_style() { return fmt::format("with points pt 6 ps 0.35 lc rgb '{}'", faint_color); }
+
 /// One parameter of one technique.
 struct ParameterPanel {
   std::string title;
@@ -67,16 +74,16 @@ ParameterPanel panel_of(const std::vector<DrawnSetting>& settings, const std::st
     panel.best.add(*best);
     line.push_back(fmt::format("{}\t{}", at, *best));
   }
-  panel.plot.add("{} using 1:2 with points pt 7 ps 0.35 lc rgb '#b0b0b0' notitle", script.data(points));
-  panel.plot.add("{} using 1:2 with linespoints pt {} ps 0.8 lw 1.4 lc rgb '{}' notitle", script.data(line), series_mark(0),
-                 series_color(0));
+  panel.plot.add(every_setting, "{} using 1:2 {} notitle", script.data(points), cloud_style());
+  panel.plot.add(best_setting, "{} using 1:2 {} notitle", script.data(line), best_style());
   return panel;
 }
 
-std::string named_tics(const std::vector<std::string>& values) {
-  std::vector<std::string> all;
-  for (std::size_t k = 0; k < values.size(); ++k) all.push_back(fmt::format("{} {}", FigureScript::quoted_tic(values[k]), k));
-  return fmt::format("{} ({})", values.size() > 4 ? "rotate by -45" : "norotate", joined(all, ", "));
+/// That the words take beside one another.
+double words_cm(const std::vector<std::string>& words) {
+  double longest = 0;
+  for (const std::string& word : words) longest = std::max(longest, FigureScript::text_cm(word));
+  return (longest + 0.2) * static_cast<double>(words.size());
 }
 
 }  // namespace
@@ -105,19 +112,23 @@ void draw_parameters(std::span<const Record> records, FigureScript& script) {
         how_to_sweep("PARAMETER"));
   const auto did = [](const ParameterPanel& panel) { return panel.best.greatest - panel.best.least; };
   while (panels.size() > most_panels) panels.erase(std::ranges::min_element(panels, {}, did));
-  script.legend.push_back({fmt::format("with linespoints pt {} ps 0.8 lw 1.4 lc rgb '{}'", series_mark(0), series_color(0)),
-                           "best setting with this value"});
-  script.legend.push_back({"with points pt 7 ps 0.35 lc rgb '#b0b0b0'", "every setting"});
-  const std::size_t columns =
-      open_panels(script, panels.size(), 3, script.options.width_cm * (panels.size() == 1 ? 0.5 : 0.32));
+  script.legend.push_back({best_style(), std::string(best_setting)});
+  script.legend.push_back({cloud_style(), std::string(every_setting)});
+  script.shows = fmt::format("{} against each parameter", axis_label(column));
+  PanelFrame frame{.titles = {}, .y_label = axis_label(column), .most_columns = 3, .height_per_width = 0.7};
+  for (const ParameterPanel& panel : panels) {
+    frame.titles.push_back(panel.title);
+    if (words_cm(panel.values) > words_cm(frame.x_names)) frame.x_names = panel.values;
+  }
+  const PanelGrid grid = open_panels(script, frame);
   if (ys.least > 0 && ys.greatest / ys.least > 20)
-    script.add("set logscale y; set ytics {}; set yrange [{}:{}]", log_tics(ys.least / 1.3, ys.greatest * 1.3, 6),
+    script.add("set logscale y; set ytics {}; set yrange [{}:{}]", log_tics(ys.least / 1.3, ys.greatest * 1.3, grid.y_labels()),
                ys.least / 1.3, ys.greatest * 1.3);
   else
     script.add("set yrange [0:{}]", ys.greatest > 0 ? ys.greatest * 1.06 : 1);
   for (std::size_t k = 0; k < panels.size(); ++k) {
-    open_panel(script, panels[k].title, k % columns == 0 ? axis_label(column) : "");
-    script.add("set xtics {}; set xrange [-0.4:{}]", named_tics(panels[k].values),
+    open_panel(script, grid, panels[k].title, k % grid.columns == 0 ? axis_label(column) : "");
+    script.add("set xtics {}; set xrange [-0.4:{}]", word_tics(panels[k].values, words_cm(panels[k].values) > grid.width_cm),
                static_cast<double>(panels[k].values.size()) - 0.6);
     panels[k].plot.into(script);
   }

@@ -3,6 +3,7 @@
 
 #include "analysis/in_order.h"
 #include "report/figure/figure.h"
+#include "report/figure/figure_style.h"
 
 namespace gnomon {
 
@@ -16,37 +17,48 @@ class FigureScript {
   void add(fmt::format_string<Args...> format, Args&&... args) {
     body_ += fmt::format(format, std::forward<Args>(args)...) + '\n';
   }
-  /// A block of data, fields separated by tabs; returns its name, "$d3".
+  /// A block of data, fields separated by tabs; returns its name, "$d3". Throws Error on a number that gnuplot cannot draw.
   std::string data(const std::vector<std::string>& lines);
   /// Text in single quotes, as gnuplot reads it.
   static std::string quoted(std::string_view text);
   /// The same for the name of a tic, which gnuplot reads as a format: a percent sign prints as itself.
   static std::string quoted_tic(std::string_view text);
+  /// Text that is wrapped where it is longer than so many centimeters.
+  static std::string quoted_lines(std::string_view text, double cm);
+  static std::string quoted_tic_lines(std::string_view text, double cm);
+  static std::size_t line_count(std::string_view text, double cm);  ///< that these have
+  static double text_cm(std::string_view text);                     ///< of one line
 
   const FigureOptions& options;
-  double height_cm = 9;
+  double height_cm = 9;  ///< of the whole figure
+  std::string shows;     ///< the title of an SVG: "error against relight + resolve"
   /// Rows of a legend that the panels of a multiplot share, below them.
   struct LegendEntry {
     std::string style;  ///< "with points pt 7 lc rgb '#0072b2'"
     std::string text;
   };
   std::vector<LegendEntry> legend;
-  double legend_cm() const;  ///< that the legend takes
+  double legend_cm() const;        ///< that the legend takes
+  double title_cm() const;         ///< that the title takes
+  std::string title_text() const;  ///< of `set multiplot`
+  /// The next curve that is drawn is called so in an SVG.
+  void name_curve(std::string_view name);
 
-  /// The whole program.
+  /// The whole program. Its comments "# Shows: " and "# Curve: " are the titles of an SVG, in their order.
   std::string text(const std::filesystem::path& out) const;
 
  private:
-  std::string body_;
+  std::string body_, names_;
   std::size_t blocks_ = 0;
 };
 
 /// The `plot` command of one panel, curve by curve. Blocks of data that it names are written before a multiplot opens.
 class PlotCommand {
  public:
-  /// One curve: "$d3 using 1:2 with lines notitle".
+  /// One curve of this name: "$d3 using 1:2 with lines notitle".
   template <class... Args>
-  void add(fmt::format_string<Args...> format, Args&&... args) {
+  void add(std::string_view name, fmt::format_string<Args...> format, Args&&... args) {
+    names_.emplace_back(name);
     curves_.push_back(fmt::format(format, std::forward<Args>(args)...));
   }
   bool is_empty() const { return curves_.empty(); }
@@ -54,7 +66,7 @@ class PlotCommand {
   void into(FigureScript& script) const;
 
  private:
-  std::vector<std::string> curves_;
+  std::vector<std::string> names_, curves_;
 };
 
 /// The least and the greatest of the values added.
@@ -66,16 +78,32 @@ struct Extent {
   }
 };
 
-/// Colors that people with any color vision tell apart (Okabe and Ito 2008), "#0072b2", then again from the start.
-std::string series_color(std::size_t index);
-/// Shape of a series' marks: filled ones that differ, another one each time that the colors start again.
-int series_mark(std::size_t index);
-
-/// Opens a multiplot of `panels` panels over the figure but for the legend's strip, each `panel_cm` high, and sets the height.
-/// Returns the number of columns.
-std::size_t open_panels(FigureScript& script, std::size_t panels, std::size_t most_columns, double panel_cm);
+/// What panels have around them; of labels the longest ones.
+struct PanelFrame {
+  std::vector<std::string> titles;  ///< one a panel
+  std::string x_label = {}, y_label = {};
+  std::vector<std::string> x_names = {}, y_names = {};  ///< of tics that are words
+  std::size_t most_columns = 2;
+  double height_per_width = 0.7;
+  double height_cm = 0;  ///< of a panel; 0: by its width
+  bool is_bare = false;  ///< no axes: titles alone
+};
+/// What panels have within.
+struct PanelGrid {
+  std::size_t columns = 1;
+  double width_cm = 0, height_cm = 0, between_cm = 0;
+  bool do_names_turn = false;  ///< the words at x tics do not fit beside one another
+  /// Numbers of this many characters fit below a panel.
+  std::size_t x_labels(std::size_t characters = 5) const;
+  std::size_t y_labels() const;
+};
+/// As many columns as leave each panel its room on a figure of this width.
+PanelGrid panel_grid(const PanelFrame& frame, double figure_cm);
+/// Opens a multiplot over the figure but for the legend's strip, and sets the height and the name of the
+/// horizontal axes.
+PanelGrid open_panels(FigureScript& script, const PanelFrame& frame);
 /// Titles the next panel and names its vertical axis; empty: it has no name.
-void open_panel(FigureScript& script, std::string_view title, std::string_view y_label);
+void open_panel(FigureScript& script, const PanelGrid& grid, std::string_view title, std::string_view y_label);
 /// Draws the legend into its strip and ends the multiplot.
 void close_panels(FigureScript& script);
 
@@ -83,14 +111,6 @@ void close_panels(FigureScript& script);
 inline constexpr std::size_t most_panels = 12;
 /// Throws Error on more, saying how to choose.
 void require_panels(std::size_t panels, std::string_view what);
-
-/// "250", "10k", "1.5M".
-std::string short_number(double value);
-/// Tics of a logarithmic axis over this range with at most `most` labels, unless powers of ten alone are more; the rest are
-/// small.
-std::string log_tics(double least, double greatest, std::size_t most);
-/// Tics at the values themselves; empty where two of them are nearer than this share of a logarithmic axis.
-std::string value_tics(std::vector<double> values, double share);
 
 /// "wrong (%)"; "umbra area ratio", which says its unit.
 std::string axis_label(const Column& column);
@@ -104,5 +124,6 @@ void draw_map(std::span<const Record> records, FigureScript& script);
 void draw_motion(std::span<const Record> records, FigureScript& script);
 void draw_sweep(std::span<const Record> records, FigureScript& script);
 void draw_parameters(std::span<const Record> records, FigureScript& script);
+void draw_sheet(std::span<const Record> records, FigureScript& script);
 
 }  // namespace gnomon

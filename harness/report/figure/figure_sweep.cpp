@@ -1,7 +1,7 @@
 // A quantity against a parameter as lines, one panel for each place.
 #include "analysis/growth.h"
 #include "analysis/sweep.h"
-#include "report/figure/figure_script.h"
+#include "report/figure/figure_axis.h"
 
 namespace gnomon {
 
@@ -20,12 +20,52 @@ double shown_value(double value, const Column& column) {
   return (column.unit == "ms" ? std::max(value, clock_ms) : value) * column.shown_scale;
 }
 
+/// Where values of x lie: linear unless the parameter is one for a logarithmic axis, or they span more than two decades. A
+/// logarithmic axis has no zero: it lies left of the least value. Negative values make an axis linear.
+class SweepAxis {
+ public:
+  SweepAxis(std::vector<double> values, bool is_log_parameter) : values_(std::move(values)) {
+    for (const double value : values_) {
+      all_.add(value);
+      if (value > 0) positive_.add(value);
+    }
+    const bool is_wide = all_.least > 0 && all_.greatest / all_.least > 100;
+    is_log_ = positive_.least < INFINITY && all_.least >= 0 && (is_log_parameter || is_wide);
+    zero_ = positive_.least / std::max(2.0, std::pow(positive_.greatest / positive_.least, 0.15));
+  }
+
+  double at(double value) const { return is_log_ && value == 0 ? zero_ : value; }
+
+  /// "set xrange ...", with marks and tics apart from the ends.
+  std::string commands(const PanelGrid& grid) const {
+    if (!is_log_) {
+      const double span = all_.greatest - all_.least, margin = span > 0 ? span * 0.04 : 1;
+      return fmt::format("set xtics {}; set xrange [{}:{}]", linear_step(all_.least, all_.greatest, grid.x_labels()),
+                         all_.least - margin, all_.greatest + margin);
+    }
+    const double least = at(all_.least), greatest = all_.greatest;
+    const double margin = greatest > least ? std::pow(greatest / least, 0.04) : 2;
+    std::vector<double> positive = values_;
+    std::erase(positive, 0);
+    const std::string at_values = value_tics(std::move(positive), 1 / static_cast<double>(grid.x_labels()));
+    return fmt::format("set logscale x; set xtics {}; set xrange [{}:{}]{}",
+                       at_values.empty() ? log_tics(positive_.least, greatest, grid.x_labels()) : at_values, least / margin,
+                       greatest * margin, all_.least == 0 ? fmt::format("; set xtics add ('0' {})", zero_) : "");
+  }
+
+ private:
+  std::vector<double> values_;
+  Extent all_, positive_;
+  bool is_log_ = false;
+  double zero_ = 0;
+};
+
 /// Points of one line; where a value is missing, an empty line breaks it.
-std::vector<std::string> line_of(const Sweep& sweep, const Column& column) {
+std::vector<std::string> line_of(const Sweep& sweep, const Column& column, const SweepAxis& axis) {
   std::vector<std::string> lines;
   for (const Sweep::Point& point : sweep.points) {
     if (point.value)
-      lines.push_back(fmt::format("{}\t{}\t{}\t{}", point.x, shown_value(point.value->value, column),
+      lines.push_back(fmt::format("{}\t{}\t{}\t{}", axis.at(point.x), shown_value(point.value->value, column),
                                   shown_value(point.value->low, column), shown_value(point.value->high, column)));
     else if (!lines.empty() && !lines.back().empty())
       lines.emplace_back();
@@ -33,25 +73,12 @@ std::vector<std::string> line_of(const Sweep& sweep, const Column& column) {
   return lines;
 }
 
-/// "set xrange ..." for these x, with marks and tics apart from the ends: linear unless they span more than two decades.
-std::string x_axis(const Extent& xs, std::vector<double> values, std::size_t columns) {
-  if (xs.least > 0 && xs.greatest / xs.least > 100) {
-    const double margin = std::pow(xs.greatest / xs.least, 0.04);
-    const std::string at_values = value_tics(std::move(values), columns > 1 ? 0.12 : 0.06);
-    return fmt::format("set logscale x; set xtics {}; set xrange [{}:{}]",
-                       at_values.empty() ? log_tics(xs.least, xs.greatest, columns > 1 ? 5 : 8) : at_values, xs.least / margin,
-                       xs.greatest * margin);
-  }
-  const double margin = (xs.greatest - xs.least) * 0.04;
-  return fmt::format("set xrange [{}:{}]", xs.least - margin, xs.greatest + margin);
-}
-
 /// "set yrange ..." for what one panel shows. Shares, times and sizes are read against 0, but for costs of more than two
 /// decades; ratios against 1.
-std::string y_axis(Extent ys, const Column& column) {
+std::string y_axis(Extent ys, const Column& column, const PanelGrid& grid) {
   if (is_cost(column) && ys.least > 0 && ys.greatest / ys.least > 100)
-    return fmt::format("set logscale y; set ytics {}; set yrange [{}:{}]", log_tics(ys.least / 1.3, ys.greatest * 1.3, 8),
-                       ys.least / 1.3, ys.greatest * 1.3);
+    return fmt::format("set logscale y; set ytics {}; set yrange [{}:{}]",
+                       log_tics(ys.least / 1.3, ys.greatest * 1.3, grid.y_labels()), ys.least / 1.3, ys.greatest * 1.3);
   const bool has_zero = column.shown_unit == "%" || is_cost(column);
   if (has_zero && ys.least >= 0)
     return fmt::format("unset logscale y; set ytics autofreq; set yrange [0:{}]", ys.greatest > 0 ? ys.greatest * 1.06 : 1);
@@ -64,83 +91,116 @@ std::string y_axis(Extent ys, const Column& column) {
   return fmt::format("unset logscale y; set ytics autofreq; set yrange [{}:{}]", ys.least - margin, ys.greatest + margin);
 }
 
-/// The sweeps to draw and what they differ in: each place has a panel, each setting a color and mark.
-struct DrawnSweeps {
-  std::vector<const Sweep*> rows;
-  std::vector<Place> places;
-  std::vector<std::string> settings;
-  std::vector<double> xs;
-  Extent x;
+/// A quantity of a sweep that is drawn.
+struct DrawnSweep {
+  const Sweep* sweep;
+  const Column* column;
+  std::size_t panel, series;
 };
 
-DrawnSweeps choose(const Sweeps& sweeps, const Column& column) {
-  DrawnSweeps drawn;
-  for (const Sweep& sweep : sweeps.rows) {
-    if (!is_drawn(sweep, column)) continue;
-    drawn.rows.push_back(&sweep);
-    add_once(drawn.places, sweep.place);
-    add_once(drawn.settings, sweep.setting);
-    for (const Sweep::Point& point : sweep.points) {
-      drawn.x.add(point.x);
-      drawn.xs.push_back(point.x);
+/// Quantities of one unit in one place.
+struct SweepPanel {
+  Place place;
+  std::string unit;
+  std::vector<const Column*> columns = {};
+  PlotCommand plot = {};
+  Extent y = {};
+
+  /// "acne, peter panning (%)".
+  std::string y_label() const {
+    if (columns.size() == 1) return axis_label(*columns.front());
+    std::vector<std::string> headings;
+    for (const Column* column : columns) headings.push_back(column->heading);
+    return fmt::format("{} ({})", joined(headings, ", "), unit);
+  }
+};
+
+/// What to draw: each place has a panel for each unit, each setting and quantity a color and mark.
+struct DrawnSweeps {
+  std::vector<DrawnSweep> rows = {};
+  std::vector<Place> places = {};
+  std::vector<SweepPanel> panels = {};
+  std::vector<std::string> series = {};
+  std::vector<double> xs = {};
+
+  void add(const Sweeps& sweeps, const Column& column, bool is_only) {
+    for (const Sweep& sweep : sweeps.rows) {
+      if (!is_drawn(sweep, column)) continue;
+      auto panel = std::ranges::find_if(
+          panels, [&](const SweepPanel& one) { return one.place == sweep.place && one.unit == column.shown_unit; });
+      if (panel == panels.end()) panel = panels.insert(panel, SweepPanel{.place = sweep.place, .unit = column.shown_unit});
+      add_once(panel->columns, &column);
+      add_once(places, sweep.place);
+      const std::string name = is_only ? sweep.setting : fmt::format("{}: {}", sweep.setting, column.heading);
+      add_once(series, name);
+      rows.push_back({&sweep, &column, static_cast<std::size_t>(panel - panels.begin()), index_of(series, name)});
+      for (const Sweep::Point& point : sweep.points) add_once(xs, point.x);
     }
   }
-  return drawn;
-}
-
-/// Color and mark of a setting, in every panel the same. Lines that coincide nest: the first is the widest, beneath.
-std::string style_of(std::size_t setting, std::size_t count) {
-  const double beneath = count > 1 ? 1 - static_cast<double>(setting) / static_cast<double>(count - 1) : 0;
-  return fmt::format("pt {} ps {:.2f} lw {:.2f} lc rgb '{}'", series_mark(setting), 0.55 + 0.65 * beneath, 1.1 + 2.4 * beneath,
-                     series_color(setting));
-}
-
-/// One place.
-struct SweepPanel {
-  PlotCommand plot;
-  Extent y;
 };
 
-void add_sweep(const Sweep& sweep, const Column& column, const std::string& style, FigureScript& script, SweepPanel& panel) {
+/// Color, mark and dashes of a series, in every panel the same. Lines that coincide nest: the first is the widest, beneath.
+std::string style_of(std::size_t series, std::size_t count) {
+  const double beneath = count > 1 ? 1 - static_cast<double>(series) / static_cast<double>(count - 1) : 0;
+  const auto [color, mark, dashes] = series_style(series);
+  return fmt::format("pt {} ps {:.2f} lw {:.2f} dt {} lc rgb '{}'", mark, 0.55 + 0.65 * beneath, 1.1 + 2.4 * beneath, dashes,
+                     color);
+}
+
+void add_sweep(const DrawnSweep& row, DrawnSweeps& drawn, const SweepAxis& axis, FigureScript& script) {
+  const Column& column = *row.column;
+  SweepPanel& panel = drawn.panels[row.panel];
   bool has_interval = false;
-  for (const Sweep::Point& point : sweep.points) {
+  for (const Sweep::Point& point : row.sweep->points) {
     if (!point.value) continue;
     has_interval = has_interval || point.value->has_interval;
     panel.y.add(shown_value(point.value->low, column));
     panel.y.add(shown_value(point.value->high, column));
   }
-  panel.plot.add("{} using {} {} notitle", script.data(line_of(sweep, column)),
-                 has_interval ? "1:2:3:4 with yerrorlines" : "1:2 with linespoints", style);
+  panel.plot.add(drawn.series[row.series], "{} using {} {} notitle", script.data(line_of(*row.sweep, column, axis)),
+                 has_interval ? "1:2:3:4 with yerrorlines" : "1:2 with linespoints", style_of(row.series, drawn.series.size()));
 }
 
 }  // namespace
 
 void draw_sweep(std::span<const Record> records, FigureScript& script) {
-  const std::string& quantity = script.options.analysis.metric;
-  const Sweeps sweeps = find_sweeps(records, script.options.analysis.x, quantity);
-  const Column column = quantity_column(quantity);
-  const DrawnSweeps drawn = choose(sweeps, column);
-  const auto& [rows, places, settings, xs, x] = drawn;
-  if (rows.empty())
-    throw Error("there is nothing to draw: no contender of the sweep of {} has a {}", sweeps.parameter, quantity);
-  require_panels(places.size(), "scenes, lights and views");
+  const AnalysisOptions& wanted = script.options.analysis;
+  const std::vector<std::string> quantities =
+      script.options.metrics.empty() ? std::vector{wanted.metric} : script.options.metrics;
+  std::vector<Sweeps> all;
+  std::vector<Column> columns;
+  for (const std::string& quantity : quantities) {
+    all.push_back(find_sweeps(records, wanted.x, quantity));
+    columns.push_back(quantity_column(quantity));
+  }
+  DrawnSweeps drawn;
+  for (std::size_t k = 0; k < all.size(); ++k) drawn.add(all[k], columns[k], all.size() == 1);
+  const std::string& parameter = all.front().parameter;
+  if (drawn.rows.empty())
+    throw Error("there is nothing to draw: no contender of the sweep of {} has a {}", parameter, joined(quantities, ", "));
+  require_panels(drawn.panels.size(), all.size() == 1 ? "scenes, lights and views" : "scenes, lights, views and units");
+  require_series(drawn.series.size(), all.size() == 1 ? "settings" : "settings and quantities");
 
-  for (std::size_t k = 0; k < settings.size(); ++k)
-    script.legend.push_back({"with linespoints " + style_of(k, settings.size()), settings[k]});
-  std::vector<SweepPanel> panels(places.size());
-  for (const Sweep* sweep : rows)
-    add_sweep(*sweep, column, style_of(index_of(settings, sweep->setting), settings.size()), script,
-              panels[index_of(places, sweep->place)]);
-  const std::size_t columns =
-      open_panels(script, panels.size(), 2, script.options.width_cm * (panels.size() == 1 ? 0.5 : 0.36));
-  script.add("{}", x_axis(x, xs, columns));
-  script.add(
-      "set xlabel {} offset 0,0.4",
-      FigureScript::quoted(sweeps.unit.empty() ? sweeps.parameter : fmt::format("{} ({})", sweeps.parameter, sweeps.unit)));
-  for (std::size_t k = 0; k < panels.size(); ++k) {
-    open_panel(script, title(places[k], places), k % columns == 0 ? axis_label(column) : "");
-    script.add("{}", y_axis(panels[k].y, column));
-    panels[k].plot.into(script);
+  const SweepAxis axis(drawn.xs, is_log_parameter(records, parameter));
+  for (std::size_t k = 0; k < drawn.series.size(); ++k)
+    script.legend.push_back({"with linespoints " + style_of(k, drawn.series.size()), drawn.series[k]});
+  for (const DrawnSweep& row : drawn.rows) add_sweep(row, drawn, axis, script);
+  const std::string x_label = all.front().unit.empty() ? parameter : fmt::format("{} ({})", parameter, all.front().unit);
+  PanelFrame frame{.titles = {}, .x_label = x_label};
+  std::vector<std::string> labels;
+  for (const SweepPanel& panel : drawn.panels) {
+    frame.titles.push_back(title(panel.place, drawn.places));
+    add_once(labels, panel.y_label());
+  }
+  frame.y_label = std::ranges::max(labels, {}, [](const std::string& label) { return label.size(); });
+  script.shows = fmt::format("{} against {}", joined(labels, ", "), x_label);
+  const PanelGrid grid = open_panels(script, frame);
+  script.add("{}", axis.commands(grid));
+  for (std::size_t k = 0; k < drawn.panels.size(); ++k) {
+    const SweepPanel& panel = drawn.panels[k];
+    open_panel(script, grid, frame.titles[k], k % grid.columns == 0 || labels.size() > 1 ? panel.y_label() : "");
+    script.add("{}", y_axis(panel.y, *panel.columns.front(), grid));
+    panel.plot.into(script);
   }
   close_panels(script);
 }

@@ -206,7 +206,16 @@ TEST(sweep_figure, a_line_breaks_where_a_value_is_missing) {
 
 TEST(sweep_figure, axes_are_logarithmic_when_they_span_more_than_two_decades) {
   std::vector<Record> records = family({10, 100, 1000}, 0);
-  EXPECT_FALSE(has(figure(records, "count", "wrong_rate"), "logscale x"));  // two decades, not more
+  EXPECT_TRUE(has(figure(records, "count", "wrong_rate"), "logscale x"));  // two decades, but declared so
+  // A height is none of a logarithmic axis: up to two decades it is linear.
+  const auto from_one_to = [](double highest) {
+    std::vector<Record> high = heights();
+    for (Record& r : high)
+      r.scene = fmt::format("sphere_over_plane:height={}", 1 + *scene_parameter(r.scene, "height") / 2 * (highest - 1));
+    return high;
+  };
+  EXPECT_FALSE(has(figure(from_one_to(100), "height", "wrong_rate"), "logscale x"));
+  EXPECT_TRUE(has(figure(from_one_to(101), "height", "wrong_rate"), "logscale x"));
   const std::vector<Record> wide = family({10, 100, 1000, 2000}, 2);
   EXPECT_TRUE(has(figure(wide, "count", "wrong_rate"), "set logscale x"));
   EXPECT_TRUE(has(figure(wide, "count", "resolve_ms"), "set logscale y"));

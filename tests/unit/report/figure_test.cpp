@@ -5,7 +5,11 @@
 
 #include <filesystem>
 #include <fstream>
+#include <set>
+#include <sstream>
 
+#include "measure/cause/causes.h"
+#include "measure/picture/picture.h"
 #include "measure/scratch_folder.h"
 #include "report/figure/figure_script.h"
 
@@ -33,6 +37,13 @@ Record row(int size, double cost, double wrong, const std::string& scene = "soup
   return r;
 }
 
+/// A sheet shows pictures, which have tests of their own.
+std::vector<std::string> drawn_kinds() {
+  std::vector<std::string> kinds = figure_kinds();
+  std::erase(kinds, "sheet");
+  return kinds;
+}
+
 std::vector<Record> some() { return {row(256, 1, 0.2), row(512, 2, 0.1), row(1024, 4, 0)}; }
 
 TEST(figure, texts_cannot_leave_their_quotes) {
@@ -40,6 +51,12 @@ TEST(figure, texts_cannot_leave_their_quotes) {
   EXPECT_EQ(FigureScript::quoted("a\nsystem 'x'"), "'a system ''x'''");
   EXPECT_EQ(FigureScript::quoted("''x'"), R"("\047\047".'x''')");  // gnuplot 5.4 misreads quotes that begin a text
   EXPECT_EQ(FigureScript::quoted_tic("5 %"), "'5 %%'");
+  FigureOptions options{.title = "a\nsystem 'x'\\"};
+  options.analysis.x = "size";
+  std::vector<Record> records = some();
+  for (Record& r : records) r.technique = "map\nsystem 'y'\\";
+  std::istringstream lines(figure_script(records, "sweep", options, "f.svg"));
+  for (std::string line; std::getline(lines, line);) EXPECT_FALSE(line.starts_with("system")) << line;
 }
 
 TEST(figure, tics_of_a_logarithmic_axis_are_labeled_at_round_numbers) {
@@ -58,7 +75,7 @@ TEST(figure, tics_of_a_logarithmic_axis_are_labeled_at_round_numbers) {
 }
 
 TEST(figure, every_kind_makes_a_program_for_every_file_type) {
-  for (const std::string& kind : figure_kinds())
+  for (const std::string& kind : drawn_kinds())
     for (const char* out : {"f.svg", "f.pdf", "f.png"}) {
       FigureOptions options;
       if (kind == "growth" || kind == "sweep") options.analysis.x = "size";
@@ -98,10 +115,106 @@ TEST(figure, no_error_at_all_has_its_place_on_a_logarithmic_axis) {
   EXPECT_TRUE(has(script, "set ytics add ('0' 2.5)")) << script;  // a fourth of the least, 10 %
 }
 
+/// The colors that curves and legend of a program have.
+std::set<std::string> colors_in(const std::string& script) {
+  std::set<std::string> colors;
+  std::istringstream lines(script);
+  for (std::string line; std::getline(lines, line);)
+    if (line.starts_with("plot ") || line.starts_with("  "))
+      for (std::size_t at = 0; (at = line.find("rgb '#", at)) != line.npos; ++at) colors.insert(line.substr(at + 5, 7));
+  return colors;
+}
+
+TEST(figure, curves_have_colors_of_the_palette_alone) {
+  std::set<std::string> known{"#ffffff", std::string(ink_color), std::string(faint_color)};
+  for (const std::string_view color : figure_colors) known.emplace(color);
+  std::vector<Record> records;
+  for (int k = 0; k < 40; ++k)
+    for (const int size : {256, 512}) {
+      records.push_back(row(size, 1 + k, 0.001 * k + 0.01));
+      records.back().technique = fmt::format("technique_{}", k % 20);
+      records.back().settings += fmt::format(",k={}", k);
+      records.back().parameters["k"] = k;
+      records.back().causes = std::map<std::string, std::uint64_t>();
+      for (const CauseInfo& cause : cause_infos()) (*records.back().causes)[std::string(cause.name)] = 3 + k;
+    }
+  for (const std::string& kind : drawn_kinds()) {
+    FigureOptions options;
+    if (kind == "growth" || kind == "sweep") options.analysis.x = "size";
+    std::vector<Record> drawn = records;
+    if (kind == "stages" || kind == "causes") drawn.resize(60);
+    if (kind == "map") drawn.resize(20);
+    for (const std::string& color : colors_in(figure_script(drawn, kind, options, "f.svg")))
+      EXPECT_TRUE(known.contains(color)) << kind << " " << color;
+  }
+}
+
+TEST(figure, a_narrow_one_leaves_each_panel_its_room) {
+  std::vector<Record> records = some();
+  for (Record& r : some()) {
+    r.scene = "another_scene_with_a_long_name";
+    records.push_back(r);
+  }
+  for (Record& r : records) r.settings += ",filter=percentage_closer,bias=receiver_plane,depth_bias=0.25";
+  FigureOptions options{.width_cm = 8.5};
+  options.analysis.x = "size";
+  const std::string script = figure_script(records, "sweep", options, "f.svg");
+  EXPECT_TRUE(has(script, "set multiplot layout 2,1")) << "two of 8.5 cm beside each other would have 2 cm each\n" << script;
+  EXPECT_TRUE(has(script, "keyentry with points pt 0 lc rgb '#ffffff' title '")) << "names of settings go on below\n" << script;
+  options.width_cm = 16;
+  EXPECT_TRUE(has(figure_script(records, "sweep", options, "f.svg"), "set multiplot layout 1,2"));
+}
+
+TEST(figure, a_sweep_holds_several_quantities) {
+  std::vector<Record> records = some();
+  FigureOptions options;
+  options.analysis.x = "size";
+  options.metrics = {"cause.acne", "error", "resolve_ms"};
+  const std::string script = figure_script(records, "sweep", options, "f.svg");
+  EXPECT_TRUE(has(script, "layout 1,2")) << "shares in one panel, times in another\n" << script;
+  EXPECT_TRUE(has(script, "set ylabel 'acne, error (%)'")) << script;
+  EXPECT_TRUE(has(script, "# Curve: map: acne\n")) << script;
+  EXPECT_TRUE(has(script, "title 'map: error'")) << script;
+}
+
+TEST(figure, a_logarithmic_parameter_has_a_logarithmic_axis_with_a_place_for_zero) {
+  std::vector<Record> records;
+  for (const char* size : {"0.1", "0.2", "0.4"}) records.push_back(row(256, 1, 0.1, fmt::format("soup:size={}", size)));
+  FigureOptions options;
+  options.analysis.x = "size";
+  for (Record& r : records) r.parameters = Json::object();
+  std::string script = figure_script(records, "sweep", options, "f.svg");
+  EXPECT_TRUE(has(script, "set logscale x; set xtics ('0.1' 0.1, '0.2' 0.2, '0.4' 0.4)")) << script;
+  records.push_back(row(256, 1, 0.1, "soup:size=0"));
+  records.back().parameters = Json::object();
+  script = figure_script(records, "sweep", options, "f.svg");
+  EXPECT_TRUE(has(script, "set xtics add ('0' 0.05)")) << "half of the least\n" << script;
+  options.analysis.x = "height";
+  for (Record& r : records) r.scene = fmt::format("sphere_over_plane:height={}", 1 + (&r - records.data()));
+  EXPECT_FALSE(has(figure_script(records, "sweep", options, "f.svg"), "logscale x"));
+}
+
+TEST(figure, what_it_cannot_draw_it_refuses_in_its_own_words) {
+  for (const double value : {1e300, std::numeric_limits<double>::infinity(), 1e-300})
+    for (const std::string& kind : {"front", "sweep", "motion"}) {
+      std::vector<Record> records = some();
+      records[1].metrics[Truth::shape]["error"] = value;
+      records[1].frames["error"][0] = value;
+      FigureOptions options;
+      options.analysis.x = "size";
+      try {
+        figure_script(records, kind, options, "f.svg");
+        ADD_FAILURE() << kind << " draws " << value;
+      } catch (const Error& error) {
+        EXPECT_TRUE(has(error.what(), "cannot draw")) << kind << ": " << error.what();
+      }
+    }
+}
+
 TEST(figure, gnuplot_draws_every_kind) {
   if (std::system("gnuplot --version > /dev/null 2>&1") != 0) GTEST_SKIP() << "there is no gnuplot";
   const ScratchFolder folder = ScratchFolder::temporary("gnomon_figure");
-  for (const std::string& kind : figure_kinds())
+  for (const std::string& kind : drawn_kinds())
     for (const char* ending : {"svg", "pdf", "png"}) {
       FigureOptions options{.title = "it's \"quoted\" & <more>"};
       if (kind == "growth" || kind == "sweep") options.analysis.x = "size";
@@ -114,7 +227,34 @@ TEST(figure, gnuplot_draws_every_kind) {
   // Nothing else stays beside the figures.
   std::size_t files = 0;
   for ([[maybe_unused]] const auto& entry : std::filesystem::directory_iterator(folder.path())) ++files;
-  EXPECT_EQ(files, figure_kinds().size() * 3);
+  EXPECT_EQ(files, drawn_kinds().size() * 3);
+}
+
+TEST(figure, a_sheet_shows_the_error_picture_of_every_row_without_its_legend) {
+  const ScratchFolder folder = ScratchFolder::temporary("gnomon_sheet");
+  std::vector<Record> records = some();
+  EXPECT_THROW(figure_script(records, "sheet", {}, "f.svg"), Error) << "no row has a picture";
+  for (Record& r : records) {
+    r.width = 64;
+    r.height = 36;
+    r.error_picture = (folder.path() / fmt::format("it's {}.png", r.settings)).string();
+    // 12 rows of a legend below the view.
+    write_png(*r.error_picture, {64, 48, std::vector<std::uint8_t>(3 * 64 * 48, 200), 12});
+  }
+  const std::string script = figure_script(records, "sheet", {}, "f.svg");
+  EXPECT_TRUE(has(script, "layout 2,2")) << script;
+  EXPECT_TRUE(has(script, "it''s size=512.png' binary filetype=png with rgbimage")) << script;
+  EXPECT_TRUE(has(script, "set yrange [11.5:47.5]")) << script;
+  EXPECT_TRUE(has(script, "'map:size=256, error 20.0 %'")) << script;
+  EXPECT_TRUE(has(script, "title 'acne'")) << script;
+  if (std::system("gnuplot --version > /dev/null 2>&1") == 0)
+    for (const char* ending : {"svg", "pdf", "png"}) {
+      const auto out = folder.path() / fmt::format("sheet.{}", ending);
+      run_gnuplot(figure_script(records, "sheet", {}, out), out);
+      EXPECT_GT(std::filesystem::file_size(out), 1000u) << out;
+    }
+  records[0].height = 100;
+  EXPECT_THROW(figure_script(records, "sheet", {}, "f.svg"), Error) << "the file is another picture";
 }
 
 }  // namespace figure_test
