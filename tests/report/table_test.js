@@ -120,13 +120,17 @@ test("scene, light and technique stay in sight, and the error and its causes are
     const names = await page.locator("thead th").evaluateAll((cells) => cells.map((cell) => cell.dataset.column));
     assert.deepEqual(names.slice(0, 4), ["scene", "light", "technique", "error"]);
     assert.ok(names.indexOf("causes") < 7, String(names));
-    const lefts = () =>
-      page.locator("tbody tr").first().evaluate((row) => [...row.children].slice(0, 3).map((cell) => Math.round(cell.getBoundingClientRect().left)));
+    const first = page.locator("tbody tr").first();
+    const leftsOf = (row) => [...row.children].slice(0, 3).map((cell) => Math.round(cell.getBoundingClientRect().left));
+    const lefts = () => first.evaluate(leftsOf);
     const before = await lefts();
     await page.locator(".scroll").evaluate((element) => (element.scrollLeft = element.scrollWidth));
     await settled(page);
     assert.deepEqual(await lefts(), before, `at ${width} pixels`);
-    const room = await page.locator("tbody tr").first().evaluate((row) => row.closest(".scroll").getBoundingClientRect().right - row.children[2].getBoundingClientRect().right);
+    const room = await first.evaluate((row) => {
+      const [scroll, last] = [row.closest(".scroll"), row.children[2]].map((part) => part.getBoundingClientRect());
+      return scroll.right - last.right;
+    });
     assert.ok(room > 100, `${room} pixels are left for numbers at ${width}`);
     await page.context().close();
   }

@@ -4,7 +4,11 @@ import { h } from "./dom.js";
 
 const edge = 8; // around what is drawn
 const space = "http://www.w3.org/2000/svg";
-const styled = ["fill", "fill-opacity", "stroke", "stroke-opacity", "stroke-width", "stroke-dasharray", "stroke-linecap", "stroke-linejoin", "opacity", "font-size", "font-family", "font-weight", "font-variant", "text-anchor", "paint-order"];
+const styled = [
+  ...["fill", "fill-opacity", "opacity", "paint-order", "text-anchor"],
+  ...["stroke", "stroke-opacity", "stroke-width", "stroke-dasharray", "stroke-linecap", "stroke-linejoin"],
+  ...["font-size", "font-family", "font-weight", "font-variant"],
+];
 
 function element(tag, attributes, ...children) {
   const made = document.createElementNS(space, tag);

@@ -41,7 +41,8 @@ export function followKeys(picture, said) {
   picture.addEventListener("keydown", (event) => {
     if (event.ctrlKey || event.metaKey || event.altKey) return;
     const points = pointsOf(picture);
-    const [step, end] = [{ ArrowRight: 1, ArrowDown: 1, ArrowLeft: -1, ArrowUp: -1 }[event.key], { Home: 0, End: points.length - 1 }[event.key]];
+    const step = { ArrowRight: 1, ArrowDown: 1, ArrowLeft: -1, ArrowUp: -1 }[event.key];
+    const end = { Home: 0, End: points.length - 1 }[event.key];
     if (points.length === 0 || (step === undefined && end === undefined)) return;
     event.preventDefault();
     at = end ?? (at < 0 ? (step > 0 ? 0 : points.length - 1) : (at + step + points.length) % points.length);
