@@ -3,6 +3,7 @@
 
 #include <stdexcept>
 
+#include "measure/cause/color_vision.h"
 #include "small_world.h"
 
 namespace layers_test {
@@ -91,6 +92,33 @@ TEST(layers, heat_classes_are_told_apart_and_grow_lighter) {
   const glm::dvec3 first = legend.front().color, last = legend.back().color;
   EXPECT_TRUE(first.b > 5 * first.r && first.b > 5 * first.g && luminance(first) < 0.05);
   EXPECT_TRUE(last.r > 4 * last.b && last.g > 4 * last.b && luminance(last) > 0.7);
+}
+
+// In most scenes a point lies in few shadow volumes: their counts have to be told apart at a glance, by people who lack a kind
+// of cone, too, and from the red of what is negative.
+TEST(layers, the_first_three_heat_classes_and_negative_values_look_different_to_everybody) {
+  const auto bytes = [](const glm::dvec3& color) {
+    std::array<std::uint8_t, 3> srgb;
+    for (int c = 0; c < 3; ++c) {
+      const double v = color[c];
+      srgb[c] =
+          static_cast<std::uint8_t>(std::lround(255 * (v <= 0.0031308 ? 12.92 * v : 1.055 * std::pow(v, 1 / 2.4) - 0.055)));
+    }
+    return srgb;
+  };
+  const std::vector<Swatch> legend = heat_legend();
+  for (const glm::dmat3& vision : color_vision::visions) {
+    const bool has_all_cones = &vision == color_vision::visions;
+    const auto apart = [&](const glm::dvec3& a, const glm::dvec3& b) {
+      return glm::distance(color_vision::lab(bytes(a), vision), color_vision::lab(bytes(b), vision));
+    };
+    for (std::size_t i = 0; i < legend.size(); ++i) {
+      EXPECT_GT(apart(legend[i].color, negative_heat()), has_all_cones ? 90 : 17) << legend[i].name;
+      for (std::size_t k = 0; k < i; ++k)
+        EXPECT_GT(apart(legend[i].color, legend[k].color), i < 3 ? (has_all_cones ? 60 : 30) : (has_all_cones ? 18 : 10))
+            << legend[i].name << ", " << legend[k].name;
+    }
+  }
 }
 
 TEST(layers, heat_layer_gives_a_value_the_color_of_its_class) {

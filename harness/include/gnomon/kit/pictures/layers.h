@@ -17,9 +17,9 @@ glm::vec3 shaded_color(const Mesh& mesh, const Light& light, const glm::dvec3& p
 glm::vec3 background_color();
 
 /// Values as colors over a dim picture of the scene: 0 is left as it is, negative values are red, and the rest has the color of
-/// its class: 1, 2, 3, 4, 5-8, 9-16 and so on up to 129-256, 257 and more; each is lighter than the one before, from dark blue
-/// over green to yellow. A value has one color in all pictures. Values are finite; one that is not whole has the class of its
-/// rounded value, above 0 that of 1 at least. The background is dark gray unless it has a value.
+/// its class: 1, 2, 3, 4, 5-8, 9-16 and so on to 129-256, 257 and more; each is lighter than the one before, from dark blue to
+/// yellow; the first few differ in hue. A value has one color in all pictures. Values are finite; one that is not whole has the
+/// class of its rounded value, above 0 that of 1 at least. The background is dark gray unless it has a value.
 std::vector<float> heat_layer(const GBuffer& gbuffer, std::span<const float> values);
 
 /// The classes of `heat_layer`, smallest first; without the negative values.
