@@ -106,8 +106,8 @@ struct LegendBar {
 };
 /// Of differences from minus to plus the full scale; of masks from 0 to 1 under a light with area. Nothing for other paints.
 std::optional<LegendBar> legend_bar(const Composition& composition, int side);
-/// Those of the paint; of kinds and causes the ones that occur. Counts pixels: for every new composition, not for every picture
-/// of a window at rest.
+/// Those of the paint; of kinds and causes the ones that occur, the largest share first. Counts pixels: for every new
+/// composition, not for every picture of a window at rest.
 std::vector<LegendEntry> legend(const Composition& composition, int side);
 /// A number of a verdict: its name, its meaning, and its text, empty where it is not defined.
 struct Tally {

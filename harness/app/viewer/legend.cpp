@@ -1,5 +1,7 @@
 // What a composition has to show, and what its colors mean.
+#include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "app/viewer/compose.h"
 #include "measure/cause/own_causes.h"
@@ -57,6 +59,11 @@ std::vector<LegendEntry> difference_legend(const Composition& composition, int s
   return {darker, lighter};
 }
 
+/// Largest first, equal ones in their order, as error pictures have them.
+void sort_by_share(std::vector<LegendEntry>& entries) {
+  std::ranges::stable_sort(entries, std::greater<>(), [](const LegendEntry& entry) { return entry.share.value_or(0); });
+}
+
 /// Under a light with area: of each kind that is drawn its part of the error.
 std::vector<LegendEntry> soft_errors_legend(const Evidence& evidence) {
   const std::vector<ErrorKind> kinds = error_kinds(evidence, true);
@@ -73,6 +80,7 @@ std::vector<LegendEntry> soft_errors_legend(const Evidence& evidence) {
   std::vector<LegendEntry> entries;
   for (std::size_t k = 0; k < kinds.size(); ++k)
     if (is_drawn[k]) entries.push_back({kinds[k].color, kinds[k].label, errors[k] / all, "of the error"});
+  sort_by_share(entries);
   return entries;
 }
 
@@ -92,6 +100,7 @@ std::vector<LegendEntry> errors_legend(const Composition& composition, int side,
     }
     if (count > 0) entries.push_back({kinds[k].color, kinds[k].label, share_of(count, verdict->errors.tested), of_tested});
   }
+  sort_by_share(entries);
   return entries;
 }
 

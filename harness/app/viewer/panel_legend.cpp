@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "app/viewer/panels.h"
 #include "measure/cause/own_causes.h"
@@ -65,10 +66,11 @@ struct PaintLegend {
   bool has_shares[2] = {};  ///< those of the side are counted
 };
 
-/// The colors of both sides that are shown, those of the same name in one line.
+/// The colors of both sides that are shown, those of the same name in one line; of errors the largest share first.
 PaintLegend join_legends(const PanelData& shown) {
   PaintLegend legend;
   const Paint paint = shown.composition.paint;
+  const bool is_of_errors = paint == Paint::kinds || paint == Paint::causes;
   for (int side = 0; side < 2; ++side) {
     if (!is_shown(shown.composition.layout, side)) continue;
     for (const LegendEntry& entry : shown.legends[side]) {
@@ -78,9 +80,10 @@ PaintLegend join_legends(const PanelData& shown) {
       legend.has_shares[side] = legend.has_shares[side] || entry.share;
     }
     // A side without wrong pixels has shares, too: zeros.
-    if (paint == Paint::kinds || paint == Paint::causes)
-      legend.has_shares[side] = shown.composition.sides[side].verdict != nullptr;
+    if (is_of_errors) legend.has_shares[side] = shown.composition.sides[side].verdict != nullptr;
   }
+  const auto larger = [](const LegendLine& line) { return std::max(line.share[0].value_or(0), line.share[1].value_or(0)); };
+  if (is_of_errors) std::ranges::stable_sort(legend.lines, std::greater<>(), larger);
   return legend;
 }
 

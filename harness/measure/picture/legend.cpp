@@ -72,11 +72,13 @@ void PictureLegend::draw(Picture& picture, int top) const {
   constexpr Color frame{110, 110, 110};
   for (const Entry& entry : entries_) {
     const int y = top + 9 + line_height * entry.line, end = entry.x + entry.bar_width;
-    const bool is_framed = entry.colors.size() > 1;  // a swatch is its color alone
-    for (int row = y; row < y + swatch_width; ++row)
-      for (int column = entry.x; column < std::min(end, picture.width); ++column) {
-        const bool is_edge = is_framed && (row == y || row == y + swatch_width - 1 || column == entry.x || column == end - 1);
-        const std::size_t k = entry.colors.size() * (column - entry.x) / entry.bar_width;
+    // The frame of a swatch is around it, that of a bar its rim.
+    const int beside = entry.colors.size() == 1 ? 1 : 0, first = entry.x - beside, top_row = y - beside;
+    const int bottom_row = y + swatch_width - 1 + beside, last = end - 1 + beside;
+    for (int row = top_row; entry.bar_width > 0 && row <= bottom_row; ++row)
+      for (int column = first; column <= std::min(last, picture.width - 1); ++column) {
+        const bool is_edge = row == top_row || row == bottom_row || column == first || column == last;
+        const std::size_t k = is_edge ? 0 : entry.colors.size() * (column - entry.x) / entry.bar_width;
         std::ranges::copy(is_edge ? frame : entry.colors[k],
                           &picture.rgb[3 * (static_cast<std::size_t>(row) * picture.width + column)]);
       }

@@ -10,7 +10,7 @@ class PictureLegend {
   explicit PictureLegend(int width) : width_(width) {}
   /// A sentence in lines of its own, `most_lines` at most; what does not fit is cut off at a word and ends in dots.
   void add_sentence(const std::string& sentence, std::size_t most_lines);
-  /// Words after a swatch of this color, or words alone.
+  /// Words after a swatch of this color, in a thin gray frame so that white is seen, too; or words alone.
   void add(std::optional<Color> swatch, const std::string& words);
   /// A framed bar that runs through the colors, one at least, and at its ends words; it is 200 pixels wide, or what a line has.
   void add_ramp(const std::string& first, std::vector<Color> colors, const std::string& last);

@@ -1,6 +1,7 @@
 #include "measure/score/error_picture.h"
 
 #include <algorithm>
+#include <functional>
 
 #include "measure/cause/own_causes.h"
 #include "measure/picture/legend.h"
@@ -43,10 +44,19 @@ Sums add_up(const Evidence& e, std::span<const ErrorMark> marks, std::size_t kin
   return sums;
 }
 
+/// The kinds that occur, largest first; equal ones in their order.
+std::vector<std::size_t> by_size(std::span<const double> sizes) {
+  std::vector<std::size_t> kinds;
+  for (std::size_t k = 0; k < sizes.size(); ++k)
+    if (sizes[k] > 0) kinds.push_back(k);
+  std::ranges::stable_sort(kinds, std::greater<>(), [&](std::size_t k) { return sizes[k]; });
+  return kinds;
+}
+
 /// The share of each kind in T.
 void add_wrong(PictureLegend& legend, std::span<const ErrorKind> kinds, const Sums& sums) {
-  for (std::size_t k = 0; k < kinds.size(); ++k)
-    if (sums.marked[k] > 0) legend.add(kinds[k].color, kinds[k].label + " " + percent(sums.marked[k] / sums.tested));
+  for (const std::size_t k : by_size(sums.marked))
+    legend.add(kinds[k].color, kinds[k].label + " " + percent(sums.marked[k] / sums.tested));
   if (std::ranges::max(sums.marked) == 0) legend.add(std::nullopt, "no tested pixel is wrong");
 }
 
@@ -56,8 +66,8 @@ void add_soft(PictureLegend& legend, std::span<const ErrorKind> kinds, const Sum
   const std::string floor = e.reference_half.empty() ? "" : ", floor " + percent(sums.floor / sums.tested);
   legend.add(std::nullopt,
              (e.channels.empty() ? "error " : "error of the worst channel ") + percent(sums.error / sums.tested) + floor);
-  for (std::size_t k = 0; k < kinds.size(); ++k)
-    if (sums.errors[k] > 0) legend.add(kinds[k].color, kinds[k].label + " " + percent(sums.errors[k] / sums.error) + " of it");
+  for (const std::size_t k : by_size(sums.errors))
+    legend.add(kinds[k].color, kinds[k].label + " " + percent(sums.errors[k] / sums.error) + " of it");
   constexpr std::uint8_t gray = 128;
   if (std::ranges::max(sums.marked) == 0)
     return legend.add(std::nullopt, "no tested pixel is off by " + percent(error_steps.front().least));

@@ -64,9 +64,9 @@ inline Color marked(std::uint8_t gray, const Color& color, double weight) {
 }
 
 /// The scene in dim gray, over it wrong tested pixels in the color of their cause (of false dark and false lit where the
-/// evidence has no causes), and below it a legend with the share of each in T. Under a light with area every tested pixel that
-/// is off, as strongly as it is, and the legend says the error, its floor, and what the colors mean. Of several channels a
-/// pixel shows the one that errs most there. The evidence has scene and G-buffer, and its light or the light received of
+/// evidence has no causes), and below it a legend with the share of each in T, largest first. Under a light with area every
+/// tested pixel that is off, as strongly as it is; the legend says error, floor, and what the colors mean. Of several channels
+/// a pixel shows the one that errs most there. The evidence has scene and G-buffer, and its light or the light received of
 /// several.
 Picture draw_errors(const Evidence& evidence, const std::string& title);
 

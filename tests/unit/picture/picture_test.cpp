@@ -203,7 +203,7 @@ TEST(error_picture, exactly_the_wrong_tested_pixels_have_the_color_of_their_caus
   }
   EXPECT_LT(untested[0], right[0]) << "untested pixels are darker";
   for (const CauseInfo& info : infos) {
-    if (info.cause == Cause::unexplained) continue;  // white, as the paper of the legend
+    if (info.cause == Cause::unexplained) continue;  // white, as the paper around its frame
     EXPECT_EQ(count(picture, color_in(info.cause), h, picture.height), 12 * 12) << info.name << ": one swatch";
   }
 }
@@ -269,6 +269,60 @@ TEST(error_picture, the_legend_names_the_causes_that_occur_and_breaks_into_lines
       EXPECT_EQ(count(picture, color_of(static_cast<Cause>(1 + k)), h, picture.height), 144) << width << ' ' << k;
   }
   EXPECT_GE(last, one_line + 6 * 20);
+}
+
+/// The leftmost column of rows from `top` on that has the color; the width where none has it.
+int first_column(const Picture& picture, const Rgb& color, int top) {
+  for (int x = 0; x < picture.width; ++x)
+    for (int y = top; y < picture.height; ++y)
+      if (pixel(picture, x, y) == color) return x;
+  return picture.width;
+}
+
+TEST(error_picture, the_legend_has_the_largest_share_first) {
+  constexpr int w = 2000, h = 2;  // all swatches in one line
+  Scored scored(w, h);
+  const auto err = [&, next = 0](Cause cause, int times) mutable {
+    for (int k = 0; k < times; ++k) scored.err(next++, cause);
+  };
+  // Equal ones stay in the order of the causes: acne before crack.
+  err(Cause::tessellation, 1);
+  err(Cause::crack, 2);
+  err(Cause::acne, 2);
+  err(Cause::region, 4);
+  const auto order = [&] {
+    const Picture picture = scored.draw();
+    std::vector<int> columns;
+    for (const Cause cause : {Cause::region, Cause::acne, Cause::crack, Cause::tessellation})
+      columns.push_back(first_column(picture, color_of(cause), h));
+    return columns;
+  };
+  const std::vector<int> hard = order();
+  EXPECT_TRUE(std::ranges::is_sorted(hard));
+  EXPECT_LT(hard.back(), w);
+  // Under a light with area by their parts of the error: the crack's two pixels are off by less than the one of tessellation.
+  scored.light.kind = DiscLight{.center = {0, 4, 0}, .normal = {0, -1, 0}, .radius = 1};
+  for (std::size_t i = 0; i < scored.mask.size(); ++i)
+    if (scored.causes[i] == Cause::crack) scored.mask[i] = scored.reference[i] - 0.25f;
+  const std::vector<int> soft = order();
+  EXPECT_LT(soft[0], soft[1]);
+  EXPECT_LT(soft[1], soft[3]);
+  EXPECT_LT(soft[3], soft[2]);
+}
+
+TEST(error_picture, the_white_swatch_of_what_is_unexplained_is_seen_on_white) {
+  constexpr int h = 1;
+  Scored scored(420, h);
+  scored.err(7, Cause::unexplained);
+  const Picture picture = scored.draw();
+  const Rgb frame{110, 110, 110};
+  const int left = first_column(picture, frame, h);
+  // 12 x 12 pixels within a frame of one pixel.
+  EXPECT_EQ(count(picture, frame, h, picture.height), 4 * 13);
+  int y = h;
+  while (pixel(picture, left, y) != frame) ++y;
+  for (int k = 1; k <= 12; ++k) EXPECT_EQ(pixel(picture, left + k, y + k), color_of(Cause::unexplained));
+  EXPECT_EQ(pixel(picture, left + 13, y + 13), frame);
 }
 
 TEST(error_picture, shares_are_those_of_the_tested_pixels) {

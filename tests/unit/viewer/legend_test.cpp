@@ -19,7 +19,12 @@ TEST(viewer_legend, shares_are_of_tested_pixels_and_only_what_occurs_is_named) {
   EXPECT_EQ(words_of(legend(left_of(seen, Paint::kinds), 0)), std::vector<std::string>{"false dark 37.5 % of tested pixels"});
   const std::vector<LegendEntry> causes = legend(left_of(seen, Paint::causes), 0);
   EXPECT_EQ(words_of(causes), (std::vector<std::string>{"acne 25.0 % of tested pixels", "crack 12.5 % of tested pixels"}))
-      << "in the order of matching, not of the names";
+      << "the larger share first";
+  seen.verdict.cause_counts = {{"crack", 3}, {"acne", 1}, {"region", 1}};
+  EXPECT_EQ(words_of(legend(left_of(seen, Paint::causes), 0)),
+            (std::vector<std::string>{"crack 37.5 % of tested pixels", "acne 12.5 % of tested pixels",
+                                      "region 12.5 % of tested pixels"}))
+      << "equal ones in the order of matching, not of the names";
   EXPECT_EQ(rgb(causes[0].color), false_dark);
   EXPECT_TRUE(legend(left_of(seen, Paint::shaded), 0).empty());
   EXPECT_TRUE(legend(left_of(seen, Paint::causes), 1).empty()) << "nothing is known of the other side";
@@ -102,6 +107,9 @@ TEST(viewer_legend, under_a_light_with_area_shares_are_of_the_error) {
   seen.verdict.has_causes = true;
   seen.verdict.causes[0] = Cause::crack;
   EXPECT_EQ(words_of(legend(left_of(seen, Paint::causes), 0)), std::vector<std::string>{"crack 40.0 % of the error"});
+  seen.verdict.causes[2] = Cause::region;
+  EXPECT_EQ(words_of(legend(left_of(seen, Paint::causes), 0)),
+            (std::vector<std::string>{"region 50.0 % of the error", "crack 40.0 % of the error"}));
   seen.verdict.causes.clear();
   EXPECT_EQ(legend(left_of(seen, Paint::causes), 0).size(), 2u) << "none were sought";
 }
