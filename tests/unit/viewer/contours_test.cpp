@@ -1,6 +1,8 @@
 // Contours of visibility, pixel by pixel.
 #include "app/viewer/contours.h"
 
+#include <gnomon/kit/random.h>
+
 #include "hand_made_frame.h"
 
 namespace contours_test {
@@ -56,6 +58,52 @@ TEST(viewer_contours, are_of_one_surface_that_faces_the_light) {
     if (is_left(i)) seen.picture->mesh[i] = no_mesh;
   EXPECT_EQ(contours.distance(9, 2), INFINITY);
   EXPECT_EQ(contours.distance(10, 2), INFINITY);
+}
+
+// A penumbra of 60 columns, 1/60 each, and noise of up to a quarter, as few samples make it.
+TEST(viewer_contours, of_noise_are_those_of_the_mean_around) {
+  constexpr int width = 60, height = 40;
+  HandMadeFrame seen(width, height);
+  const auto fill = [&](double noise) {
+    Random random(5);
+    for (std::size_t i = 0; i < seen.answer->mask.size(); ++i)
+      seen.answer->mask[i] =
+          static_cast<float>(std::clamp((i % width + 0.5) / width + random.uniform(-noise, noise), 0.0, 1.0));
+  };
+  const ComposeSide side{seen.frame, seen.answer->mask, width, height};
+  const auto covered = [&](int first, int last) {
+    const Contours contours(side, technique_inks[0], false);
+    int count = 0;
+    for (int y = 0; y < height; ++y)
+      for (int x = first; x < last; ++x) count += contours.distance(x, y) < 1.7f;  // half a casing and its rim
+    return count;
+  };
+  fill(0.25);
+  const int binary = covered(0, width);
+  seen.frame->light.kind = SphereLight{};
+  const int thinned = covered(0, width);
+  EXPECT_GT(binary, width * height / 2) << "under a light without area a mask is drawn as it is";
+  EXPECT_LT(3 * thinned, binary);
+  // The middle of the penumbra is where it is: between columns 29 and 30. The mean of 81 values with a standard deviation of
+  // 0.25 / sqrt(3) is off by 0.016, a column: four of these are 4 columns, and a line is 2 wide to each side.
+  EXPECT_EQ(covered(8, 23) + covered(37, 52), 0);
+  EXPECT_GT(covered(23, 37), height);
+  // Without noise every pixel keeps its own: the ramp, and an edge in it.
+  fill(0);
+  for (std::size_t i = 0; i < seen.answer->mask.size(); ++i)
+    if (i % width >= 30) seen.answer->mask[i] = 1;
+  const Contours contours(side, technique_inks[0], false);
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) ASSERT_FALSE(contours.is_of_mean(x, y)) << x << ' ' << y;
+}
+
+TEST(viewer_contours, of_a_thin_shadow_are_its_own) {
+  HandMadeFrame seen(30, 30);
+  seen.frame->light.kind = SphereLight{};
+  for (std::size_t i = 0; i < seen.answer->mask.size(); ++i) seen.answer->mask[i] = i % 30 == 15 || i % 30 == 17 ? 0.1f : 1;
+  const ComposeSide side{seen.frame, seen.answer->mask, 30, 30};
+  const Contours contours(side, technique_inks[0], false);
+  for (int x = 0; x < 30; ++x) EXPECT_FALSE(contours.is_of_mean(x, 15)) << x;
 }
 
 TEST(viewer_contours, of_the_side_lie_over_broader_ones_of_the_reference) {
