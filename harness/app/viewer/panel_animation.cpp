@@ -26,7 +26,7 @@ void draw_time(Session& session, Widgets& widgets) {
   int frame = player.frame();
   const std::string format = fmt::format("%d  ({:.3f} s)", player.pose()->seconds);
   widgets.label("frame", "60 of them are a second.");
-  if (ImGui::SliderInt("##frame", &frame, 0, player.last_frame(), format.c_str(), ImGuiSliderFlags_AlwaysClamp))
+  if (Widgets::slider("##frame", frame, 0, player.last_frame(), format.c_str(), ImGuiSliderFlags_AlwaysClamp))
     session.go_to_frame(frame);
   widgets.note_slider("frame");
 }

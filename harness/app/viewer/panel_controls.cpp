@@ -167,7 +167,7 @@ void draw_light_and_view(Session& session, Widgets& widgets) {
   if (const auto name = draw_names(views, scene->views, widgets)) session.choose_view(name->empty() ? seen : *name);
   View view = session.selection().view;
   widgets.label("field of view", "Of the picture's height, in degrees.");
-  if (ImGui::SliderFloat("##fov", &view.fov_y_degrees, 5, 120, "%.4g degree", ImGuiSliderFlags_AlwaysClamp))
+  if (Widgets::slider("##fov", view.fov_y_degrees, 5.f, 120.f, "%.4g degree", ImGuiSliderFlags_AlwaysClamp))
     if (widgets.attempt([&] { session.set_view(view); })) session.mark_moving();
   widgets.note_slider("view.fov_y_degrees");
 }
@@ -216,12 +216,12 @@ void draw_picture_controls(Session& session, Widgets& widgets) {
   if (session.paint == Paint::difference) draw_difference_controls(session.difference, widgets);
   auto divider = static_cast<float>(100 * session.divider);
   widgets.label("divider", "Where the sides meet in a split picture; dragged in the picture, too.");
-  if (ImGui::SliderFloat("##divider", &divider, 0, 100, "%.0f %%", ImGuiSliderFlags_AlwaysClamp))
+  if (Widgets::slider("##divider", divider, 0.f, 100.f, "%.0f %%", ImGuiSliderFlags_AlwaysClamp))
     session.divider = divider / 100;
   widgets.note("divider");
   float opacity = 100 * session.layer_opacity;
   widgets.label("layer opacity", "Of debug layers over the paint.");
-  if (ImGui::SliderFloat("##opacity", &opacity, 0, 100, "%.0f %%", ImGuiSliderFlags_AlwaysClamp))
+  if (Widgets::slider("##opacity", opacity, 0.f, 100.f, "%.0f %%", ImGuiSliderFlags_AlwaysClamp))
     session.layer_opacity = opacity / 100;
   widgets.note("layer_opacity");
   widgets.label("overlays", "", 0.6f);

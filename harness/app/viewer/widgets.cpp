@@ -20,6 +20,7 @@ namespace {
 float unit_scale = 1;
 
 constexpr std::size_t longest_inline_unit = 6;  // "texel"
+constexpr unsigned plate_color = 0xc81e1a18;    // dark enough for words on any grab, and shows where that is
 
 /// What follows a number in its slider; % is doubled, as in every format.
 std::string unit_words(std::string_view unit) {
@@ -133,7 +134,7 @@ void Widgets::label(const std::string& words, const std::string& sentence, float
   ImGui::PushClipRect(at, {at.x + width - 4, at.y + ImGui::GetFrameHeight()}, true);
   ImGui::TextUnformatted(words.c_str());
   ImGui::PopClipRect();
-  tooltip(sentence);
+  tooltip(ImGui::GetItemRectSize().x > width - 4 && !sentence.empty() ? words + "\n" + sentence : sentence);
   ImGui::SameLine(left + width);
   ImGui::SetNextItemWidth(-FLT_MIN);
 }
@@ -206,14 +207,39 @@ void Widgets::note_slider(const std::string& name) {
 }
 
 template <class T>
+bool Widgets::slider(const char* id, T& value, T low, T high, const char* format, int flags) {
+  constexpr ImGuiDataType kind = std::is_same_v<T, int>     ? ImGuiDataType_S32
+                                 : std::is_same_v<T, float> ? ImGuiDataType_Float
+                                                            : ImGuiDataType_Double;
+  // What Dear ImGui writes lies on the grab, which is as bright as the words. Where a number is typed they are its own.
+  const bool is_typed = ImGui::TempInputIsActive(ImGui::GetID(id));
+  if (!is_typed) ImGui::PushStyleColor(ImGuiCol_Text, ImU32(0));
+  const bool is_set = ImGui::SliderScalar(id, kind, &value, &low, &high, format, flags);
+  if (is_typed) return is_set;
+  ImGui::PopStyleColor();
+  char words[64];
+  ImGui::DataTypeFormatString(words, sizeof words, kind, &value, format);
+  const ImVec2 first = ImGui::GetItemRectMin(), last = ImGui::GetItemRectMax(), size = ImGui::CalcTextSize(words);
+  const ImVec2 at((first.x + last.x - size.x) / 2, (first.y + last.y - size.y) / 2);
+  const float margin = ImGui::GetStyle().FramePadding.y;
+  ImDrawList& list = *ImGui::GetWindowDrawList();
+  list.PushClipRect(first, last, true);
+  list.AddRectFilled({at.x - margin, at.y - margin / 3}, {at.x + size.x + margin, at.y + size.y + margin / 3}, plate_color,
+                     margin);
+  list.AddText(at, ImGui::GetColorU32(ImGuiCol_Text), words);
+  list.PopClipRect();
+  return is_set;
+}
+template bool Widgets::slider(const char*, int&, int, int, const char*, int);
+template bool Widgets::slider(const char*, float&, float, float, const char*, int);
+template bool Widgets::slider(const char*, double&, double, double, const char*, int);
+
+template <class T>
 bool Widgets::number(const Number<T>& row, std::string& text) {
-  constexpr bool is_whole = std::is_same_v<T, int>;
   T value = row.value();
-  const T low = row.range().min, high = row.range().max;
-  const std::string format = (is_whole ? "%d" : "%.4g") + unit_words(row.unit());
+  const std::string format = (std::is_same_v<T, int> ? "%d" : "%.4g") + unit_words(row.unit());
   const ImGuiSliderFlags flags = row.range().log ? ImGuiSliderFlags_Logarithmic : ImGuiSliderFlags_None;
-  const bool is_set = ImGui::SliderScalar("##value", is_whole ? ImGuiDataType_S32 : ImGuiDataType_Double, &value, &low, &high,
-                                          format.c_str(), flags);
+  const bool is_set = slider("##value", value, row.range().min, row.range().max, format.c_str(), flags);
   if (is_set) text = fmt::format("{}", value);
   return is_set;
 }

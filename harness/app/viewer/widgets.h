@@ -86,6 +86,10 @@ class Widgets {
   /// Runs what may throw Error.
   bool attempt(const std::function<void()>& work);
 
+  /// A slider of a double, or of a float or int, whose number stands on a plate of its own: it can be read wherever the grab
+  /// is. Ctrl+click on it types. Whether it was set.
+  template <class T>
+  static bool slider(const char* id, T& value, T low, T high, const char* format, int flags = 0);
   /// A row for each parameter: slider, list or box. Whether one was set.
   bool parameters(const std::string& prefix, Parametrized& object);
   /// Notes the item that was drawn last, and whether the mouse drags it.
