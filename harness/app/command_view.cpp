@@ -4,6 +4,7 @@
 #include "app/app.h"
 #include "app/time_option.h"
 #include "app/viewer/application.h"
+#include "app/viewer/session.h"
 #include "measure/notice.h"
 #include "measure/run/light_selection.h"
 #include "measure/run/suite.h"
@@ -60,6 +61,7 @@ int view(ViewCommand& options, const Program& program) {
   selection.view = named_or_first(scene.views, options.view_name);
   if (!played.empty())
     selection.at = pose_at(find_path(scene, animation_of(scene, played).name, selection.light, selection.view), 0);
+  viewer::check_script(view.keys, selection, view.loaded);
   for (const std::string& note : scene.notes) print_notice("note: {}\n", note);
   if (view.out.empty()) view.out = timed_folder("view");
   view.ends_by_itself = !options.keys.empty() || !view.screenshot.empty() || view.speed_seconds > 0;
@@ -87,7 +89,8 @@ void add_view(Program& program) {
   command.option("--threads", &options.threads, "Cores that each technique uses; all by default");
   command.option("--timeout", &options.view.timeout_seconds, "Seconds that one step may take", {.check = seconds()});
   command.option("--out", &options.view.out, "Folder for what is saved; runs/view-TIME by default");
-  command.option("--keys", &options.keys, "Keys to press one after the other, \"k v v Ctrl+S\"; then it ends");
+  command.option("--keys", &options.keys,
+                 "Keys to press and parameters to set one after the other, \"k left.resolution=512 v Ctrl+S\"; then it ends");
   const auto screenshot = command.option("--screenshot", &options.view.screenshot,
                                          "Write the window to this file when all is computed, and end", {.check = not_empty()});
   command.option("--speed", &options.view.speed_seconds,

@@ -9,7 +9,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 from pictures import read_png  # noqa: E402
-from rig import STEP, ViewerTest, dot, minus, unit  # noqa: E402
+from rig import STEP, Saved, ViewerTest, dot, minus, unit  # noqa: E402
 
 
 def turned(arm, degrees_right, degrees_up):
@@ -165,6 +165,22 @@ class Keys(ViewerTest):
         viewer.until(lambda saved: read_png(saved.folder / "window.png").crop(320, 0, 480, 400) != plain.crop(320, 0, 480, 400),
                      "silhouettes")
 
+    def test_w_and_q_choose_a_parameter_and_signs_change_it(self):
+        viewer = self.view_scene("--technique", "shadow_map:resolution=64", "--against", "shadow_map:resolution=64")
+        viewer.press("w")
+        chosen = viewer.save()
+        self.assertEqual((chosen.window["parameter"], chosen.technique), ("left.resolution", "shadow_map:resolution=64"))
+        viewer.press("equal")
+        larger = viewer.save()
+        self.assertEqual(larger.technique, "shadow_map:resolution=128")
+        self.assertNotEqual(larger.mask, chosen.mask)
+        self.assert_renders_alike(larger)
+        viewer.press("w", "equal", "q", "minus")
+        saved = viewer.save()
+        self.assertEqual(saved.sides["left"]["settings"].split(",")[0], "resolution=64")
+        self.assertIn("bias=", saved.sides["left"]["settings"])
+        self.assertEqual(saved.sides["right"]["settings"], "resolution=64")
+
     def test_help_panels_and_magnifier_come_and_go(self):
         viewer = self.view_scene()
         viewer.xdo("mousemove", "--window", viewer.window, 560, 200)
@@ -208,6 +224,14 @@ class Scripted(ViewerTest):
         self.assertEqual((window.width, window.height), (800, 520))
         self.assertGreater(len({window.at(x, y) for x in range(0, 800, 7) for y in range(0, 520, 7)}), 20)
         self.assertEqual(self.workers(), [])
+
+    def test_parameters_among_the_keys_are_set_in_their_order(self):
+        self.environment = self.display.environment(self.environment)
+        self.succeed("view", "--scene", "sphere_over_plane", "--size", "480x300", "--out", "out", "--keys",
+                     "left.resolution=77 Ctrl+S Tab right.resolution=99 scene.radius=0.5 Ctrl+S")
+        first, second = (Saved(self.dir / "out" / k) for k in ("01", "02"))
+        self.assertEqual((first.technique, first.scene), ("shadow_map:resolution=77", "sphere_over_plane"))
+        self.assertEqual((second.sides["right"]["settings"], second.scene), ("resolution=99", "sphere_over_plane:radius=0.5"))
 
     def test_without_a_screenshot_too(self):
         self.environment = self.display.environment(self.environment)

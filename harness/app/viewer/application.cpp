@@ -134,8 +134,7 @@ class Application {
     const Requests& requests = session_.requests;
     if (requests.save || requests.copy_command || requests.screenshot) return;
     if (next_key_ < options_.keys.size()) {
-      const KeyRow& key = *options_.keys[next_key_++];
-      act(*key_table().find(key.key, key.modifiers, scene_id(session_.selection().scene)));
+      attempt([&] { session_.follow(options_.keys[next_key_++]); });
       has_drawn_finished_ = false;
       pace_.need(FramePace::settling);
       return;
@@ -237,6 +236,8 @@ class Application {
   void draw_panels(const PanelData& shown) {
     if (session_.shows_panels) {
       Widgets widgets(places_, [&](const std::string& why) { session_.say(why, true); });
+      widgets.mark(session_.chosen_parameter(),
+                   std::exchange(marked_, session_.chosen_parameter()) != session_.chosen_parameter());
       draw_controls(arrangement_.controls, session_, shown, scenes_, widgets);
       draw_strip(arrangement_.strip, session_, shown);
       if (widgets.is_dragging()) session_.mark_moving();
@@ -312,6 +313,7 @@ class Application {
   std::uint64_t drawn_state_ = 0;
   FramePace pace_;
   FrameRate rate_;
+  std::string marked_;                  // the parameter that stood out in the last picture
   std::optional<double> tooltip_time_;  // when a tooltip may appear though nothing happens
   std::size_t next_key_ = 0;
   bool is_over_ = false;

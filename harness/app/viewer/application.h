@@ -13,7 +13,7 @@ struct ViewOptions {
   WorkerOptions workers;
   double timeout_seconds = 120;
   std::filesystem::path out;         ///< for what is saved
-  std::vector<const KeyRow*> keys;   ///< pressed one after the other, each when the one before has had its effect
+  std::vector<ScriptStep> keys;      ///< done one after the other, each when the one before has had its effect
   std::filesystem::path screenshot;  ///< written when all is finished; empty: none
   double speed_seconds = 0;          ///< measure pictures a second, for so long in each situation; 0: do not
   bool ends_by_itself = false;       ///< when keys, screenshot and measurement are through

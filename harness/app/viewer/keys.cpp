@@ -14,8 +14,8 @@ namespace {
 
 /// The keys that work in every scene.
 std::vector<KeyRow> own_rows() {
-  constexpr const char *camera = "Camera", *light = "Light", *animation = "Animation", *compare = "Compare", *layers = "Layers",
-                       *state = "State", *window = "Window";
+  constexpr const char *camera = "Camera", *light = "Light", *animation = "Animation", *compare = "Compare",
+                       *parameters = "Parameters", *layers = "Layers", *state = "State", *window = "Window";
   constexpr bool held = true;
   return {
       {GLFW_KEY_A, 0, "A", OrbitSteps{.right = -1}, camera, "Around the target to the left, 5 degrees.", held},
@@ -57,6 +57,11 @@ std::vector<KeyRow> own_rows() {
       {GLFW_KEY_PERIOD, 0, ".", Action::technique_after, compare, "The left side's technique: the one after."},
       {GLFW_KEY_TAB, 0, "Tab", Action::swap_sides, compare, "Swap the sides."},
 
+      {GLFW_KEY_W, 0, "W", ParameterSteps{.rows = 1}, parameters, "Choose the next parameter, of the sides or the scene."},
+      {GLFW_KEY_Q, 0, "Q", ParameterSteps{.rows = -1}, parameters, "Choose the parameter before."},
+      {GLFW_KEY_MINUS, 0, "-", ParameterSteps{.values = -1}, parameters, "A smaller number, or the word before.", held},
+      {GLFW_KEY_EQUAL, 0, "=", ParameterSteps{.values = 1}, parameters, "A larger number, or the word after.", held},
+
       {GLFW_KEY_G, 0, "G", Action::layer_after, layers, "The left side's next debug layer; after the last, none."},
       {GLFW_KEY_I, 0, "I", Action::contours, layers, "Contours of visibility 0.02, 0.5 and 0.98 on or off."},
       {GLFW_KEY_P, 0, "P", Action::profile, layers, "A profile along the row of the picked pixel, else the middle; or none."},
@@ -83,6 +88,15 @@ std::string folded(std::string_view name) {
   for (const char c : name)
     if (c != ' ') plain += 'A' <= c && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
   return plain;
+}
+
+/// NAME=VALUE of a parameter; nothing of other words.
+std::optional<ParameterSetting> setting_of(const std::string& word) {
+  const std::size_t equal = word.find('=');
+  if (equal == std::string::npos || equal == 0) return std::nullopt;
+  ParameterSetting setting{word.substr(0, equal), word.substr(equal + 1)};
+  if (setting.value.empty()) throw Error("{} sets no value", word);
+  return setting;
 }
 
 /// What a scene declares, checked but for what other rows have.
@@ -142,11 +156,11 @@ const KeyRow* KeyTable::find_name(std::string_view name) const {
   return row == rows_.end() ? nullptr : &*row;
 }
 
-std::vector<const KeyRow*> KeyTable::parse(const std::string& text) const {
+std::vector<ScriptStep> KeyTable::parse(const std::string& text) const {
   std::istringstream stream(text);
   std::vector<std::string> words;
   for (std::string word; stream >> word;) words.push_back(word);
-  std::vector<const KeyRow*> keys;
+  std::vector<ScriptStep> steps;
   for (std::size_t i = 0; i < words.size(); ++i) {
     const KeyRow* row = i + 1 < words.size() ? find_name(words[i] + ' ' + words[i + 1]) : nullptr;
     // Two words are one key only where its name has a blank: "page up" is Page Up, but "F1 2" is not F12.
@@ -154,7 +168,8 @@ std::vector<const KeyRow*> KeyTable::parse(const std::string& text) const {
       ++i;
     else
       row = find_name(words[i]);
-    if (!row) {
+    const std::optional<ParameterSetting> setting = row ? std::nullopt : setting_of(words[i]);
+    if (!row && !setting) {
       std::vector<std::string> names, plain;
       for (const KeyRow& known : rows_) {
         names.push_back(known.name);
@@ -163,9 +178,9 @@ std::vector<const KeyRow*> KeyTable::parse(const std::string& text) const {
       const std::size_t nearest = std::ranges::find(plain, nearest_word(folded(words[i]), plain)) - plain.begin();
       throw Error("there is no key {}; did you mean {}? There are: {}", words[i], names[nearest], joined(names, " "));
     }
-    keys.push_back(row);
+    setting ? steps.emplace_back(*setting) : steps.emplace_back(row);
   }
-  return keys;
+  return steps;
 }
 
 std::string KeyTable::markdown() const {

@@ -57,6 +57,12 @@ struct FrameSteps {
   int frames = 0;
   bool operator==(const FrameSteps&) const = default;
 };
+/// Chooses a parameter of a side or the scene, or goes on in the values of the one that is chosen; `value_after` defines a
+/// step.
+struct ParameterSteps {
+  int rows = 0, values = 0;
+  bool operator==(const ParameterSteps&) const = default;
+};
 /// Shows a scene with one of its parameters set; that scene declares the key.
 struct SceneSetting {
   std::string scene, parameter, value;
@@ -64,7 +70,8 @@ struct SceneSetting {
 };
 
 /// What a key does.
-using KeyEffect = std::variant<Action, OrbitSteps, ZoomSteps, FlySteps, LightSteps, FrameSteps, Layout, Paint, SceneSetting>;
+using KeyEffect =
+    std::variant<Action, OrbitSteps, ZoomSteps, FlySteps, LightSteps, FrameSteps, ParameterSteps, Layout, Paint, SceneSetting>;
 
 /// The view after `count` steps: 5 degrees around the target, a tenth of the way to it, or `key_step` of flying each. Nothing
 /// for keys that do not move the camera; `reset_view` is the session's.
@@ -83,6 +90,14 @@ struct KeyRow {
   bool is_held = false;  ///< goes on while the key is held
 };
 
+/// A parameter by the name of its control, "left.resolution", and its value.
+struct ParameterSetting {
+  std::string name, value;
+  bool operator==(const ParameterSetting&) const = default;
+};
+/// What a script does next: it presses a key, or sets a parameter.
+using ScriptStep = std::variant<const KeyRow*, ParameterSetting>;
+
 /// All keys: first those that scenes declare, then the viewer's own.
 class KeyTable {
  public:
@@ -96,9 +111,9 @@ class KeyTable {
   /// held Shift does not: that hand may be about to drag. Of scenes that declare the same letter, `scene` comes first. Null
   /// when the key means nothing.
   const KeyRow* find(int key, int modifiers, std::string_view scene = "") const;
-  /// "k v v Ctrl+S page up": names apart by blanks, whatever their case, with or without the blank inside. Throws Error with
-  /// the nearest name.
-  std::vector<const KeyRow*> parse(const std::string& text) const;
+  /// "k left.resolution=512 v Ctrl+S page up": names apart by blanks, whatever their case, with or without the blank inside;
+  /// NAME=VALUE sets a parameter of left, right or scene. Throws Error with the nearest name.
+  std::vector<ScriptStep> parse(const std::string& text) const;
   /// For docs/viewer.md, Markdown.
   std::string markdown() const;
 

@@ -141,6 +141,7 @@ Json window_json(const DrawnWindow& window, const Session& session, const Engine
     row["phase"] = phase_names[static_cast<int>(state.sides[side].phase)];
     row["words"] = state.sides[side].words;
   }
+  json["parameter"] = session.chosen_parameter();
   json["message"] = session.message();
   json["scene_error"] = state.scene_error;
   json["typing"] = ImGui::GetIO().WantTextInput;

@@ -237,6 +237,7 @@ void Session::act(const KeyEffect& effect, double count) {
   }
   if (const auto* steps = std::get_if<FrameSteps>(&effect)) return step_frames(count * steps->frames);
   if (const auto* setting = std::get_if<SceneSetting>(&effect)) return set_scene_parameter(*setting);
+  if (const auto* steps = std::get_if<ParameterSteps>(&effect)) return step_parameters(*steps, count);
   if (const auto* chosen = std::get_if<Layout>(&effect)) layout = *chosen;
   if (const auto* chosen = std::get_if<Paint>(&effect)) paint = *chosen;
   if (const auto* action = std::get_if<Action>(&effect)) carry_out(*action);

@@ -90,6 +90,7 @@ class Session {
 
   // The sides. Call `technique_changed` after setting a technique's parameters.
   Technique& technique(int side) { return *technique_[side]; }
+  const Technique& technique(int side) const { return *technique_[side]; }
   void choose_technique(int side, const std::string& id);
   void technique_changed(int side);
   void choose_layer(int side, const std::string& layer) { selection_.sides[side].layer = layer; }
@@ -99,12 +100,22 @@ class Session {
   /// Measures the left side's error against samples, or drops the curve.
   void ask_for_curve(bool is_wanted) { selection_.curve = is_wanted ? ++curve_count_ : 0; }
 
+  // The parameters of both sides and of the scene, by the names of their controls: "left.resolution", "scene.count".
+  std::vector<std::string> parameter_names() const;
+  /// Throws Error for a name that is none of these, and for a value that its row refuses.
+  void set_parameter(const ParameterSetting& to);
+  /// The one that keys change; empty until one is chosen.
+  const std::string& chosen_parameter() const { return chosen_parameter_; }
+
   /// The pixel that is explained, of the full picture.
   std::optional<glm::ivec2> picked() const { return picked_; }
   void pick(std::optional<glm::ivec2> pixel);
 
   /// What a key does, `count` times where it goes on while held.
   void act(const KeyEffect& effect, double count = 1);
+
+  /// A key of a script as the scene that is shown has it, or what it sets.
+  void follow(const ScriptStep& step);
 
   /// A line for the person; an empty one takes the last away.
   void say(const std::string& text, bool is_warning = false);
@@ -115,6 +126,8 @@ class Session {
   void carry_out(Action action);
   void set_scene_parameter(const SceneSetting& to);
   void step_technique(int step);
+  Parameter& parameter(const std::string& name) const;
+  void step_parameters(const ParameterSteps& steps, double count);
   void next_layer();
   void flip_profile();
   void flip_together();
@@ -134,12 +147,18 @@ class Session {
   Player player_;
   double moving_until_ = 0;
   std::uint64_t curve_count_ = 0;
+  std::string chosen_parameter_;
+  double value_rest_ = 0;  ///< of a step of its value, while a key is held
   std::string message_;
   bool is_warning_ = false;
   /// Techniques that were on a side keep their settings.
   std::map<std::string, std::shared_ptr<Technique>> known_[2];
   std::shared_ptr<Technique> technique_[2];
 };
+
+/// Throws Error for a parameter that is not there when a script sets it, and for a value that it refuses. A script that steps
+/// through techniques or scenes is followed that far.
+void check_script(std::span<const ScriptStep> script, const Selection& selection, std::shared_ptr<const LoadedScene> loaded);
 
 /// The part of a scene's reference before its settings: "composite" of "composite:object=cone". Of a file, its path.
 std::string scene_id(const std::string& reference);

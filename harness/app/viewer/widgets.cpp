@@ -247,7 +247,11 @@ bool Widgets::number(const Number<T>& row, std::string& text) {
 bool Widgets::parameter(const std::string& name, Parameter& row) {
   ImGui::PushID(name.c_str());
   const std::string sentence = sentence_of(row);
+  const bool is_marked = name == marked_;
+  if (is_marked) ImGui::PushStyleColor(ImGuiCol_Text, light_color);
   label(std::string(row.name()), sentence);
+  if (is_marked) ImGui::PopStyleColor();
+  if (is_marked && is_newly_marked_) ImGui::SetScrollHereY();
   bool is_set = false;
   std::string text;
   if (const auto* whole = dynamic_cast<const Number<int>*>(&typed(row))) {

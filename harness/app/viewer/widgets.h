@@ -92,6 +92,11 @@ class Widgets {
   static bool slider(const char* id, T& value, T low, T high, const char* format, int flags = 0);
   /// A row for each parameter: slider, list or box. Whether one was set.
   bool parameters(const std::string& prefix, Parametrized& object);
+  /// The row of this name stands out; where it is newly so, its panel is scrolled to it.
+  void mark(const std::string& name, bool is_new) {
+    marked_ = name;
+    is_newly_marked_ = is_new;
+  }
   /// Notes the item that was drawn last, and whether the mouse drags it.
   void note_slider(const std::string& name);
   /// Whether the mouse drags a slider of this frame.
@@ -104,6 +109,8 @@ class Widgets {
 
   ControlPlaces& places_;
   std::function<void(const std::string&)> refused_;
+  std::string marked_;
+  bool is_newly_marked_ = false;
   bool is_dragging_ = false;
 };
 

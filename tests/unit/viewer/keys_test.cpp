@@ -19,7 +19,12 @@ using namespace gnomon::viewer;
 
 std::span<const KeyRow> key_rows() { return key_table().rows(); }
 const KeyRow* find_key(int key, int modifiers) { return key_table().find(key, modifiers); }
-std::vector<const KeyRow*> parse_keys(const std::string& text) { return key_table().parse(text); }
+/// Of a text that presses keys alone.
+std::vector<const KeyRow*> parse_keys(const std::string& text) {
+  std::vector<const KeyRow*> keys;
+  for (const ScriptStep& step : key_table().parse(text)) keys.push_back(std::get<const KeyRow*>(step));
+  return keys;
+}
 
 const KeyRow& row_of(const KeyEffect& effect) {
   for (const KeyRow& row : key_rows())
@@ -76,6 +81,10 @@ TEST(viewer_keys, every_key_has_its_action) {
                                                         {",", Action::technique_before},
                                                         {".", Action::technique_after},
                                                         {"Tab", Action::swap_sides},
+                                                        {"W", ParameterSteps{.rows = 1}},
+                                                        {"Q", ParameterSteps{.rows = -1}},
+                                                        {"-", ParameterSteps{.values = -1}},
+                                                        {"=", ParameterSteps{.values = 1}},
                                                         {"G", Action::layer_after},
                                                         {"I", Action::contours},
                                                         {"P", Action::profile},
@@ -135,8 +144,8 @@ TEST(viewer_keys, groups_and_effects_stand_together) {
       effects.push_back(rows[i].effect);
     }
   }
-  EXPECT_EQ(groups,
-            (std::set<std::string>{"Scene composite", "Camera", "Light", "Animation", "Compare", "Layers", "State", "Window"}));
+  EXPECT_EQ(groups, (std::set<std::string>{"Scene composite", "Camera", "Light", "Animation", "Compare", "Parameters", "Layers",
+                                           "State", "Window"}));
 }
 
 TEST(viewer_keys, modifiers_count_locks_do_not) {
@@ -198,6 +207,18 @@ TEST(viewer_keys, an_unknown_name_is_refused_with_the_nearest) {
   EXPECT_TRUE(words("PgeUp").starts_with("there is no key PgeUp; did you mean Page Up? "));
   EXPECT_TRUE(words("page").starts_with("there is no key page; did you mean "));  // half a name is none
   EXPECT_TRUE(words("ESCAP").starts_with("there is no key ESCAP; did you mean Escape? "));
+}
+
+// The sign "=" is a key where it stands alone; within a word it sets a parameter, whose name keeps its case.
+TEST(viewer_keys, a_script_presses_keys_and_sets_parameters) {
+  const std::vector<ScriptStep> steps = key_table().parse("k left.resolution=512 = scene.object=a=b -");
+  ASSERT_EQ(steps.size(), 5u);
+  EXPECT_EQ(std::get<const KeyRow*>(steps[0])->name, "K");
+  EXPECT_EQ(std::get<ParameterSetting>(steps[1]), (ParameterSetting{"left.resolution", "512"}));
+  EXPECT_EQ(std::get<const KeyRow*>(steps[2])->name, "=");
+  EXPECT_EQ(std::get<ParameterSetting>(steps[3]), (ParameterSetting{"scene.object", "a=b"}));
+  EXPECT_EQ(std::get<const KeyRow*>(steps[4])->name, "-");
+  EXPECT_THROW(key_table().parse("left.resolution="), Error);
 }
 
 TEST(viewer_keys, the_page_has_every_key_once) {
