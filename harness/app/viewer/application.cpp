@@ -13,6 +13,7 @@
 #include "app/viewer/overlays.h"
 #include "app/viewer/picture_view.h"
 #include "app/viewer/saving.h"
+#include "app/viewer/side_names.h"
 #include "app/viewer/speed_trial.h"
 #include "measure/notice.h"
 
@@ -210,6 +211,7 @@ class Application {
     PanelData shown{.state = state_,
                     .composition = canvas_.composition(),
                     .times = times_,
+                    .titles = {title_of(session_, 0), title_of(session_, 1)},
                     .legends = {canvas_.legend_of(0), canvas_.legend_of(1)},
                     .texture = window_.picture_texture(),
                     .frames_per_second = static_cast<double>(rate_.count())};

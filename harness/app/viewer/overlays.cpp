@@ -7,6 +7,7 @@
 #include <chrono>
 #include <cmath>
 
+#include "app/viewer/labels.h"
 #include "app/viewer/light_size.h"
 #include "app/viewer/picture_view.h"
 #include "measure/frame/light_rays.h"
@@ -15,52 +16,7 @@ namespace gnomon::viewer {
 
 namespace {
 
-constexpr double quick_ms = 6;       // a search for silhouettes that takes no longer is waited for
-constexpr double near_share = 1e-3;  // what is nearer to the eye than this share of a segment's farther end is cut off
-
-/// Draws in pixels of the picture onto a list in units of Dear ImGui.
-struct PictureDrawing {
-  ImDrawList& list;
-  PixelRect place;
-  Camera camera;
-  float unit;   ///< framebuffer pixels of a unit
-  float scale;  ///< of lines and texts
-
-  ImVec2 at(const glm::dvec2& p) const {
-    return {static_cast<float>(place.x + p.x) / unit, static_cast<float>(place.y + p.y) / unit};
-  }
-  void line(const glm::dvec2& a, const glm::dvec2& b, ImU32 color, float width = 1.5f) const {
-    list.AddLine(at(a), at(b), color, width * scale);
-  }
-  /// A segment of space; its part behind the eye is cut off.
-  void segment(glm::dvec3 a, glm::dvec3 b, ImU32 color, float width = 1.5f) const {
-    double depth_a = glm::dot(a - camera.eye, camera.forward), depth_b = glm::dot(b - camera.eye, camera.forward);
-    const double least = near_share * std::max(depth_a, depth_b);
-    if (least <= 0) return;
-    if (depth_a < least) a += (b - a) * ((least - depth_a) / (depth_b - depth_a));
-    if (depth_b < least) b += (a - b) * ((least - depth_b) / (depth_a - depth_b));
-    const auto p = project(camera, a), q = project(camera, b);
-    if (p && q) line(*p, *q, color, width);
-  }
-  void disc(const glm::dvec2& p, float radius, ImU32 color) const {
-    list.AddCircleFilled(at(p), (radius + 1) * scale, IM_COL32(0, 0, 0, 160));
-    list.AddCircleFilled(at(p), radius * scale, color);
-  }
-  /// A rectangle about p with an edge as wide as a line of width 1.
-  void box(const glm::dvec2& p, const ImVec2& half, ImU32 color, ImU32 edge_color, float rounding = 0) const {
-    const ImVec2 c = at(p);
-    for (const float edge : {scale, 0.0f})
-      list.AddRectFilled({c.x - half.x - edge, c.y - half.y - edge}, {c.x + half.x + edge, c.y + half.y + edge},
-                         edge > 0 ? edge_color : color, rounding);
-  }
-  void words(const glm::dvec2& p, const std::string& text, ImU32 color) const {
-    const ImVec2 corner = at(p), size = ImGui::CalcTextSize(text.c_str());
-    const float margin = 3 * scale;
-    list.AddRectFilled({corner.x - margin, corner.y - margin / 2}, {corner.x + size.x + margin, corner.y + size.y + margin / 2},
-                       IM_COL32(10, 10, 12, 205), margin);
-    list.AddText(corner, color, text.c_str());
-  }
-};
+constexpr double quick_ms = 6;  // a search for silhouettes that takes no longer is waited for
 
 /// A light with area to its size, and the handles that change it.
 void draw_light_size(const PictureDrawing& drawing, const Light& light, std::span<const std::optional<glm::dvec2>> handles) {
@@ -83,10 +39,8 @@ void draw_profile_line(const PictureDrawing& drawing, const ProfileLine& line) {
 
 constexpr ImU32 faint_light = IM_COL32(255, 214, 102, 110);
 
-/// The light's handle with its name, a line down to the lowest height of the scene, and a cross there.
-void draw_light(const PictureDrawing& drawing, const Scene& scene, const Selection& selection,
-                const std::optional<Handle>& handle) {
-  const Light& light = selection.light;
+/// The light's handle, a line down to the lowest height of the scene, and a cross there.
+void draw_light(const PictureDrawing& drawing, const Scene& scene, const Light& light, const std::optional<Handle>& handle) {
   const glm::dvec3 place = light_place(scene, light);
   const double ground = scene.bounds().min.y;
   const double arm = 0.5 * key_step(scene);
@@ -94,17 +48,7 @@ void draw_light(const PictureDrawing& drawing, const Scene& scene, const Selecti
   drawing.segment(place, foot, faint_light, 1);
   drawing.segment(foot - glm::dvec3(arm, 0, 0), foot + glm::dvec3(arm, 0, 0), faint_light, 1);
   drawing.segment(foot - glm::dvec3(0, 0, arm), foot + glm::dvec3(0, 0, arm), faint_light, 1);
-  if (!handle) return;
-  drawing.disc(handle->shown, handle_radius, light_color);
-  // Towards the middle, where there is room.
-  const std::string name = selection.together.empty() ? light.name : std::string(whole_name(light.name));
-  const double width = ImGui::CalcTextSize(name.c_str()).x * drawing.unit,
-               apart = (handle_radius + 5) * drawing.scale * drawing.unit;
-  const bool is_right = handle->shown.x > drawing.place.width / 2.0;
-  // Above the handles of its size.
-  const double lines = has_area(light) ? 2 : 0.5;
-  drawing.words(handle->shown + glm::dvec2(is_right ? -apart - width : apart, -lines * ImGui::GetFontSize() * drawing.unit),
-                name, light_color);
+  if (handle) drawing.disc(handle->shown, handle_radius, light_color);
 }
 
 /// Lights that are shown together with the one that can be moved: small, without handles.
@@ -118,78 +62,23 @@ void draw_other_lights(const PictureDrawing& drawing, const Scene& scene, const 
   }
 }
 
+/// A frame around what the magnifier magnifies.
+void draw_magnified(const PictureDrawing& drawing, const glm::ivec2& pixel) {
+  const auto frame = [&](double beside, ImU32 color) {
+    const glm::dvec2 reach(magnifier_reach + beside);
+    drawing.list.AddRect(drawing.at(glm::dvec2(pixel) - reach), drawing.at(glm::dvec2(pixel) + 1.0 + reach), color, 0, 0,
+                         drawing.scale);
+  };
+  frame(1.5, IM_COL32(0, 0, 0, 130));
+  frame(0.5, IM_COL32(255, 255, 255, 150));
+}
+
 /// The grip of the divider, whose line is of the picture itself.
 void draw_divider(const PictureDrawing& drawing, const Composition& composition) {
   if (composition.layout != Layout::split) return;
   const ImVec2 half(3.5f * drawing.scale, 15 * drawing.scale);
   drawing.box({composition.divider * composition.width, composition.height / 2.0}, half, IM_COL32(235, 235, 235, 240),
               IM_COL32(12, 13, 15, 200), half.x);
-}
-
-/// The columns of the picture that show a side: from, to.
-struct Columns {
-  double first, end;
-};
-Columns columns_of(const Composition& composition, int side) {
-  const double all = composition.width, middle = composition.divider * all;
-  if (composition.layout == Layout::split) return side == 0 ? Columns{0, middle} : Columns{middle, all};
-  return side_at(composition, 0) == side ? Columns{0, all} : Columns{0, 0};
-}
-
-/// The names of the techniques in the upper corners of their sides, and why an answer is approximate.
-void draw_titles(const PictureDrawing& drawing, const Session& session, const PanelData& shown) {
-  const double margin = 8 * drawing.scale * drawing.unit;
-  const auto extent = [&](const std::string& text) {
-    const ImVec2 size = ImGui::CalcTextSize(text.c_str());
-    return glm::dvec2(size.x, size.y) * static_cast<double>(drawing.unit);
-  };
-  for (int side = 0; side < 2; ++side) {
-    const auto columns = columns_of(shown.composition, side);
-    const bool is_right = shown.composition.layout == Layout::split && side == 1;
-    const std::string title = title_of(session, side);
-    const double room = columns.end - columns.first - 2 * margin;
-    const auto place = [&](const std::string& text, double y) {
-      return glm::dvec2(is_right ? columns.end - margin - extent(text).x : columns.first + margin, y);
-    };
-    if (extent(title).x > room) continue;
-    drawing.words(place(title, margin), title, IM_COL32(235, 235, 235, 235));
-    const SideState& state = shown.state.sides[side];
-    if (state.is_reference || !state.is_approximate()) continue;
-    const double width = std::min(room / drawing.unit, 30.0 * ImGui::GetFontSize());
-    const std::string words = Widgets::lines("approximate: " + state.answer->support.why(), static_cast<float>(width));
-    if (extent(words).x <= room) drawing.words(place(words, 1.6 * margin + extent(title).y), words, warning_text);
-  }
-}
-
-/// Words in the middle of some columns of the picture, in as many lines as they need.
-void draw_notice(const PictureDrawing& drawing, Columns columns, const std::string& words, ImU32 color) {
-  const double room = (columns.end - columns.first) / drawing.unit - 3.0 * ImGui::GetFontSize();
-  if (room < 6 * ImGui::GetFontSize()) return;
-  const std::string lines = Widgets::lines(words, static_cast<float>(std::min(room, 34.0 * ImGui::GetFontSize())));
-  const ImVec2 size = ImGui::CalcTextSize(lines.c_str());
-  const glm::dvec2 middle((columns.first + columns.end) / 2, drawing.place.height * 0.4);  // above the divider's grip
-  drawing.words(middle - 0.5 * drawing.unit * glm::dvec2(size.x, size.y), lines, color);
-}
-
-/// What a side without an answer waits for, or why it has none.
-void draw_notices(const PictureDrawing& drawing, const Session& session, const PanelData& shown) {
-  const EngineState& state = shown.state;
-  const Columns all{0, static_cast<double>(drawing.place.width)};
-  if (!state.trouble.empty()) return draw_notice(drawing, all, state.trouble, warning_text);
-  if (state.is_loading) return draw_notice(drawing, all, "loading " + session.selection().scene, IM_COL32(235, 235, 235, 255));
-  for (int side = 0; side < 2; ++side) {
-    const SideState& s = state.sides[side];
-    const Columns columns = columns_of(shown.composition, side);
-    const std::string& words = s.words;
-    if (s.phase == Phase::failed || s.phase == Phase::unsupported) {
-      draw_notice(drawing, columns, fmt::format("{}: {}", s.phase == Phase::failed ? "failed" : "unsupported", words),
-                  warning_text);
-    } else if (s.is_reference ? !state.reference : !s.answer) {
-      const std::string what = s.phase == Phase::starting || words.empty() ? "starting" : words;
-      draw_notice(drawing, columns, s.seconds >= 0.1 ? fmt::format("{} {:.1f} s", what, s.seconds) : what,
-                  IM_COL32(235, 235, 235, 255));
-    }
-  }
 }
 
 /// Edges that the eye sees are bright, the others dark: each half of an edge as its middle is. In the window's own pixels, and
@@ -272,13 +161,14 @@ void Overlays::draw(const PixelRect& place, const Session& session, const PanelD
     list.AddCircle(p, 6 * drawing.scale, IM_COL32(0, 0, 0, 200), 0, 3 * drawing.scale);
     list.AddCircle(p, 6 * drawing.scale, picked_color, 0, 1.5f * drawing.scale);
   }
+  if (is_magnified(session, shown)) draw_magnified(drawing, shown.pixel);
   if (session.profile) draw_profile_line(drawing, *session.profile);
-  draw_titles(drawing, session, shown);
   draw_divider(drawing, composition);
   draw_other_lights(drawing, *scene, session.selection());
   draw_light_size(drawing, session.selection().light, shown_sizes(session, composition));
-  draw_light(drawing, *scene, session.selection(), shown_handle(session, composition, drawing.scale * unit));
-  draw_notices(drawing, session, shown);
+  const std::optional<Handle> handle = shown_handle(session, composition, drawing.scale * unit);
+  draw_light(drawing, *scene, session.selection().light, handle);
+  draw_labels(drawing, session, shown, handle);
   list.PopClipRect();
 }
 

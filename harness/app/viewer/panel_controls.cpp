@@ -8,6 +8,7 @@
 #include "app/viewer/light_size.h"
 #include "app/viewer/moves.h"
 #include "app/viewer/panels.h"
+#include "app/viewer/side_names.h"
 #include "app/viewer/window.h"
 #include "measure/paths.h"
 #include "measure/picture/signed_color.h"
@@ -309,10 +310,6 @@ void draw_actions(Session& session, Widgets& widgets) {
 
 }  // namespace
 
-std::string title_of(const Session& session, int side) {
-  return std::string(registry().technique(session.selection().sides[side].technique).about.title);
-}
-
 void draw_controls(const PixelRect& place, Session& session, const PanelData& shown, std::span<const SceneListing> scenes,
                    Widgets& widgets) {
   if (begin_panel("controls", place)) {
@@ -328,7 +325,7 @@ void draw_controls(const PixelRect& place, Session& session, const PanelData& sh
     ImGui::PopID();
     for (int side = 0; side < 2; ++side) {
       ImGui::PushID(side);
-      const std::string title = fmt::format("{}: {}", side == 0 ? "Left" : "Right", title_of(session, side));
+      const std::string title = fmt::format("{}: {}", side == 0 ? "Left" : "Right", technique_title(session, side));
       if (section((title + "###side").c_str())) draw_side_controls(side, session, shown, widgets);
       ImGui::PopID();
     }

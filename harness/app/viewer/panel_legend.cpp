@@ -180,7 +180,7 @@ void draw_contour_legend(const PanelData& shown) {
   for (int side = 0; side < 2; ++side) {
     if (!is_shown(shown.composition.layout, side) || shown.state.sides[side].is_reference) continue;
     draw_ink(technique_inks[side], false);
-    Widgets::wrapped(side_name(side));
+    Widgets::wrapped(fmt::format("{}: {}", side_name(side), shown.titles[side]));
   }
   draw_ink(reference_ink, true);
   Widgets::wrapped("reference");

@@ -88,7 +88,7 @@ void draw_heads(const PanelData& shown, const Session& session) {
   ImGui::TableNextColumn();
   for (int side = 0; side < 2; ++side) {
     ImGui::TableNextColumn();
-    draw_words(title_of(session, side));
+    draw_words(shown.titles[side]);
     Widgets::tooltip(written(session.selection().sides[side]));
   }
   ImGui::TableNextColumn();
@@ -100,7 +100,7 @@ void draw_heads(const PanelData& shown, const Session& session) {
 
 /// The head of the only side that has numbers.
 void draw_head(const PanelData& shown, const Session& session, int side) {
-  ImGui::TextUnformatted(title_of(session, side).c_str());
+  ImGui::TextUnformatted(shown.titles[side].c_str());
   Widgets::tooltip(written(session.selection().sides[side]));
   ImGui::SameLine(0, 2 * lengths().gap);
   draw_phase(shown.state.sides[side], false);

@@ -51,8 +51,7 @@ void draw_status(const Session& session, const PanelData& shown) {
   ImGui::TextDisabled("%s", words.c_str());
 }
 
-constexpr int around = 8;       // pixels to each side of the middle one
-constexpr double enlarged = 8;  // framebuffer pixels of a pixel, at scale 1
+constexpr int around = magnifier_reach;
 
 /// A square of pixels around the middle one; what lies outside the picture stays dark.
 void draw_pixels(const PanelData& shown, float pixel) {
@@ -86,9 +85,9 @@ void draw_facts(const PanelData& shown, const Session& session) {
   const std::vector<PixelFact> facts =
       pixel_facts(shown.composition, shown.side, shown.pixel.x, shown.pixel.y, shown.state.reference.get(),
                   is_explained ? side.explanation.get() : nullptr);
-  Widgets::wrapped(
-      fmt::format("{}, pixel {} {}{}", side_name(shown.side), shown.pixel.x, shown.pixel.y, session.picked() ? ", picked" : ""),
-      quiet_text);
+  Widgets::wrapped(fmt::format("{}: {}; pixel {} {}{}", side_name(shown.side), shown.titles[shown.side], shown.pixel.x,
+                               shown.pixel.y, session.picked() ? ", picked" : ""),
+                   quiet_text);
   Widgets::tooltip("A click in the picture picks its pixel, Escape drops it.");
   if (is_explained && side.depth_curve) draw_depth_curve(*side.depth_curve, shown.side);
   const auto draw_name = [](const PixelFact& fact) { Widgets::wrapped(fact.name, quiet_text); };
@@ -122,13 +121,13 @@ void draw_facts(const PanelData& shown, const Session& session) {
   ImGui::EndTable();
 }
 
-/// The pixels around one, eight times as large, and its facts.
+/// The pixels around one, about ten times as large, and its facts.
 void draw_magnifier(const PanelData& shown, const Session& session) {
   // As large as its place lets it be, in whole pixels.
   const ImVec2 room = ImGui::GetContentRegionAvail();
-  const double unit = pixels_per_unit(), scale = lengths().scale * unit;
-  const double most = std::min<double>(room.y, room.x * 0.42) * unit / (2 * around + 1);
-  const auto pixel = static_cast<float>(std::max(2.0, std::floor(std::min(std::round(enlarged * scale), most))) / unit);
+  const double unit = pixels_per_unit();
+  const double most = std::min<double>(room.y, room.x * 0.45) * unit / (2 * around + 1);
+  const auto pixel = static_cast<float>(std::max(2.0, std::floor(most)) / unit);
   draw_pixels(shown, pixel);
   ImGui::SameLine(0, lengths().gap);
   if (ImGui::BeginChild("facts", {0, 0})) {

@@ -23,12 +23,20 @@ struct PanelData {
   const EngineState& state;
   const Composition& composition;
   const ResolveTimes& times;
+  std::string titles[2];                    ///< of the sides; see title_of
   std::span<const LegendEntry> legends[2];  ///< of the sides
   glm::ivec2 pixel{-1};                     ///< of the picture: picked, else under the mouse; negative: none
   int side = 0;                             ///< that shows it
   unsigned texture = 0;                     ///< the picture
   double frames_per_second = 0;             ///< new frames that the picture showed within the last second
 };
+
+/// How many pixels to each side of one the magnifier shows.
+inline constexpr int magnifier_reach = 8;
+/// Whether the magnifier shows a pixel; plots take its place.
+inline bool is_magnified(const Session& session, const PanelData& shown) {
+  return session.shows_panels && session.shows_magnifier && !session.profile && !shown.state.curve && shown.pixel.x >= 0;
+}
 
 /// A fixed panel at a place; `ImGui::End` ends it whatever it returned.
 bool begin_panel(const char* name, const PixelRect& place);
@@ -55,7 +63,5 @@ void draw_sample_curve(const SampleCurve& curve);
 
 /// What the texel of the picked pixel holds and what is exact, over the depth along its ray; at the top of the facts.
 void draw_depth_curve(const DepthCurve& curve, int side);
-
-std::string title_of(const Session& session, int side);
 
 }  // namespace gnomon::viewer

@@ -1,8 +1,9 @@
-// What keys and scripts make of the parameters of sides and scene.
+// What keys and scripts make of the parameters of sides and scene, and how the sides are named.
 #include "app/viewer/session.h"
 
 #include <gtest/gtest.h>
 
+#include "app/viewer/side_names.h"
 #include "error_words.h"
 #include "measure/scene/load.h"
 
@@ -124,6 +125,21 @@ TEST(viewer_session, a_script_is_checked_as_far_as_it_goes_before_a_window_opens
   // K opens composite, which has an object and no radius of its own name.
   EXPECT_EQ(refusal("K scene.object=sphere"), "");
   error_words::expect_words(refusal("scene.object=sphere"), {"sphere_over_plane has no parameter object"});
+}
+
+TEST(viewer_session, settings_are_in_a_name_where_they_are_not_the_default_or_differ) {
+  const auto names = [](const std::string& left, const std::string& right) {
+    const Session session = session_on(ball, left, right);
+    return std::pair(title_of(session, 0), title_of(session, 1));
+  };
+  const std::string map(registry().technique("shadow_map").about.title), rays(registry().technique("embree_rays").about.title);
+  using Names = std::pair<std::string, std::string>;
+  EXPECT_EQ(names("shadow_map", "embree_rays"), Names(map, rays));
+  EXPECT_EQ(names("shadow_map:resolution=512,filter=pcf", "embree_rays"), Names(map + ", resolution=512, filter=pcf", rays));
+  // Of the same technique the default is told, too, where the other side has another value.
+  EXPECT_EQ(names("shadow_map", "shadow_map:resolution=512"), Names(map + ", resolution=1024", map + ", resolution=512"));
+  EXPECT_EQ(names("shadow_map:filter=pcf", "shadow_map:filter=pcf"), Names(map + ", filter=pcf", map + ", filter=pcf"));
+  EXPECT_EQ(names("shadow_map", "shadow_map"), Names(map, map));
 }
 
 }  // namespace session_test
