@@ -99,7 +99,7 @@ function(gnomon_add_program_from name techniques scenes)
 endfunction()
 
 # gnomon_add_plugin(NAME files...): the same files as a plugin for `gnomon run --plugin NAME.so`. All are techniques. It says how it
-# was built: records of its rows have that beside what they say of the program.
+# was built: records of its rows have that beside what they say of the program. And of which files: `gnomon pack` reads that.
 function(gnomon_add_plugin name)
   set(files "")
   foreach(file IN LISTS ARGN)
@@ -108,8 +108,11 @@ function(gnomon_add_plugin name)
   endforeach()
   set(roll "${CMAKE_CURRENT_BINARY_DIR}/${name}_roll.cpp")
   set(facts "${CMAKE_CURRENT_BINARY_DIR}/${name}_build")
+  gnomon_find_helpers(helpers ${files})
+  string(JOIN "\n" sources "gnomon plugin sources:" ${files} "" ${helpers} "${CMAKE_CURRENT_SOURCE_DIR}/CMakeLists.txt" "")
   gnomon_write_roll("${roll}" gnomon_plugin_roll_call "${files}" "" "#include \"build_CXX.h\"
 extern \"C\" const char gnomon_plugin_build_type[] = GNOMON_PLUGIN_BUILD_TYPE, gnomon_plugin_flags[] = GNOMON_PLUGIN_FLAGS;
+extern \"C\" const char gnomon_plugin_sources[] = R\"gnomon(${sources})gnomon\";
 #ifdef __clang__
 extern \"C\" const char gnomon_plugin_compiler[] = __VERSION__;
 #else
@@ -122,7 +125,6 @@ extern \"C\" const bool gnomon_plugin_is_optimized = false;
 #endif
 ")
   set_source_files_properties("${roll}" PROPERTIES INCLUDE_DIRECTORIES "${facts}/$<CONFIG>")
-  gnomon_find_helpers(helpers ${files})
   add_library(${name} MODULE "${roll}" ${files} ${helpers})
   set_target_properties(${name} PROPERTIES PREFIX "")
   target_link_libraries(${name} PRIVATE gnomon::gnomon)

@@ -17,17 +17,6 @@ constexpr const char* schema = "gnomon-run-1";
 
 fs::path run_file(const fs::path& folder) { return folder / "run.json"; }
 
-/// The entries of a folder; none where it has no such file.
-Json runs_of(const fs::path& folder) {
-  const fs::path file = run_file(folder);
-  if (!fs::exists(fs::symlink_status(file))) return Json::array();
-  if (!is_plain_file(file)) throw Error("{} cannot be read: it is not a file", file.string());
-  const Json json = parse_if_json(file_text(file));
-  if (!json.is_object() || json.value("schema", Json()) != schema || !json.value("runs", Json()).is_array())
-    throw Error("{} does not say how the folder was run ({}): move it away", file.string(), schema);
-  return json["runs"];
-}
-
 void write_runs(const fs::path& folder, Json runs) {
   write_file(run_file(folder), json_text(json_object({{"schema", schema}, {"runs", std::move(runs)}}), 1) + "\n", Durable::yes);
 }
@@ -44,8 +33,18 @@ Json described(const std::string& reference, const Scene* scene) {
 
 }  // namespace
 
+Json run_entries(const fs::path& folder) {
+  const fs::path file = run_file(folder);
+  if (!fs::exists(fs::symlink_status(file))) return Json::array();
+  if (!is_plain_file(file)) throw Error("{} cannot be read: it is not a file", file.string());
+  const Json json = parse_if_json(file_text(file));
+  if (!json.is_object() || json.value("schema", Json()) != schema || !json.value("runs", Json()).is_array())
+    throw Error("{} does not say how the folder was run ({}): move it away", file.string(), schema);
+  return json["runs"];
+}
+
 void add_to_run_file(const RunOptions& options, const Json& context, SceneLibrary& library, std::span<const Job> jobs) {
-  Json runs = runs_of(options.out);
+  Json runs = run_entries(options.out);
   Json run = json_object({{"command", options.command},
                           {"suite", json_object({{"name", options.suite.name},
                                                  {"text", options.suite.text.empty() ? Json() : Json(options.suite.text)}})},
@@ -68,7 +67,7 @@ void add_to_run_file(const RunOptions& options, const Json& context, SceneLibrar
 void join_run_files(std::span<const fs::path> folders, const fs::path& out) {
   Json runs = Json::array();
   for (const fs::path& folder : folders)
-    for (Json& run : runs_of(folder)) runs.push_back(std::move(run));
+    for (Json& run : run_entries(folder)) runs.push_back(std::move(run));
   if (!runs.empty()) write_runs(out, std::move(runs));
 }
 

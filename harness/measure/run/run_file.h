@@ -11,6 +11,9 @@ namespace gnomon {
 /// Adds the run that is about to start in options.out. Throws Error on a file that is there and is none of these.
 void add_to_run_file(const RunOptions& options, const Json& context, SceneLibrary& library, std::span<const Job> jobs);
 
+/// The entries of a folder; none where it has no such file. Throws Error on a file that is none of these.
+Json run_entries(const std::filesystem::path& folder);
+
 /// Writes into `out` the entries of all these folders, in order; nothing where none has any.
 void join_run_files(std::span<const std::filesystem::path> folders, const std::filesystem::path& out);
 

@@ -36,6 +36,18 @@ Scene read_scene(const std::string& reference, const Descriptions& above);
 /// Reads a description. An unknown key is an Error with the nearest valid key, file and line.
 Scene read_scene_toml(const std::filesystem::path& file, const Descriptions& above = {});
 
+/// The description of this scene, which has no time: the file that it names, else the one of an id, there or not.
+std::filesystem::path described_in(const std::string& scene);
+/// No scene starts from more, each of which names the next.
+inline constexpr std::size_t most_descriptions = 64;
+/// Opens names of files of fetched scenes in descriptions.
+inline constexpr std::string_view cache_prefix = "cache:";
+/// The file that a description calls `name`: relative to the description; `cache:` opens a path of a fetched scene, whose
+/// first folder is the scene's id. Throws SceneNotFetched where that is missing.
+std::filesystem::path described_file(const std::string& name, const std::filesystem::path& description);
+/// The reference as the program takes it, independent of the folder that contains its description.
+std::string seen_from_here(const std::string& reference, const std::filesystem::path& description);
+
 /// Whether every fetched file that this scene needs is there; true for what cannot be read, which loading reports.
 bool is_fetched(const std::string& reference);
 

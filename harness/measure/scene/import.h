@@ -32,6 +32,10 @@ std::vector<std::byte> output_of_program(const std::string& what, const std::fil
 /// What a child answers for a file. `with_all`: as of `all_variable`.
 std::vector<std::byte> answer_of_child(const std::filesystem::path& file, bool with_all = false);
 
+/// This file and those that it names, as far as they are there, each once; a child reads them. An image names none. A file that
+/// cannot be read to its end gives those up to there: loading it says what is wrong.
+std::vector<std::filesystem::path> files_behind(const std::filesystem::path& file);
+
 /// Checks, places and splits what the child answered, and adds it to the scene. Throws Error.
 void add_imported(const std::filesystem::path& file, std::span<const std::byte> answer, const Placement& placement,
                   Scene& scene, const MaskChoice& masks = {}, const TransmissionChoice& transmission = {});

@@ -140,16 +140,20 @@ std::string read_regular_file(const fs::path& file, Limits& limits) {
   return bytes;
 }
 
-/// Writes the answer into the pipe; a parent that is gone ends the child by SIGPIPE.
-void send(const MeshFile& answer, int fd) {
-  FieldWriter writer;
-  visit_file(writer, answer);
-  for (std::span<const std::byte> rest = writer.bytes; !rest.empty();) {
+/// Writes bytes into the pipe; a parent that is gone ends the child by SIGPIPE.
+void send(std::span<const std::byte> rest, int fd) {
+  while (!rest.empty()) {
     const ssize_t count = write(fd, rest.data(), rest.size());
     if (count < 0 && errno == EINTR) continue;
     if (count <= 0) _exit(3);
     rest = rest.subspan(static_cast<std::size_t>(count));
   }
+}
+
+void send(const MeshFile& answer, int fd) {
+  FieldWriter writer;
+  visit_file(writer, answer);
+  send(writer.bytes, fd);
 }
 
 }  // namespace
@@ -188,6 +192,32 @@ std::vector<std::byte> importing::output_of_program(const std::string& what, con
   posix_spawn_file_actions_destroy(&actions);
   if (failure != 0) throw Error("{}: cannot start the importer {}: {}", what, program.string(), std::strerror(failure));
   return collect(what, child, pipe);
+}
+
+std::vector<fs::path> importing::files_behind(const fs::path& file) {
+  const std::vector<std::byte> names = output_of_fork(file.string(), [&](int out_fd) {
+    Limits limits;
+    const ReadFile read = [&](const fs::path& path) {
+      std::string bytes = read_regular_file(path, limits);
+      const std::string name = path.string();
+      send(std::as_bytes(std::span(name.c_str(), name.size() + 1)), out_fd);
+      return bytes;
+    };
+    try {
+      if (has_mesh_format(file))
+        read_mesh_file(file, read, true);
+      else
+        read(file);
+    } catch (const std::exception&) {  // loading says it
+    }
+    return 0;
+  });
+  std::vector<fs::path> files;
+  const std::string_view text(reinterpret_cast<const char*>(names.data()), names.size());
+  for (std::size_t begin = 0, end = 0; (end = text.find('\0', begin)) != text.npos; begin = end + 1)
+    if (const fs::path name = text.substr(begin, end - begin); std::ranges::find(files, name) == files.end())
+      files.push_back(name);
+  return files;
 }
 
 int import_child_main(const std::string& file, int out_fd, bool with_all) {

@@ -14,44 +14,54 @@
 #include "measure/scene/toml_table.h"
 
 namespace gnomon {
-namespace {
 
 namespace fs = std::filesystem;
 
 // --- what descriptions name: their own files, files of fetched scenes, and the scene that they start from, which may be a
 // description, too ---
 
-constexpr std::size_t most_descriptions = 64;
+fs::path described_in(const std::string& scene) {
+  return names_file(scene) ? fs::path(scene) : data_root() / "scenes" / (scene + ".toml");
+}
 
-/// The file that a description calls `name`: relative to the description; `cache:` opens a path of a fetched scene, whose
-/// first folder is the scene's id. Throws SceneNotFetched where that is missing.
 fs::path described_file(const std::string& name, const fs::path& description) {
-  constexpr std::string_view prefix = "cache:";
-  if (!name.starts_with(prefix)) return description.parent_path() / name;
-  const fs::path inside = name.substr(prefix.size());
+  if (!name.starts_with(cache_prefix)) return description.parent_path() / name;
+  const fs::path inside = name.substr(cache_prefix.size());
   const fs::path file = cache_root() / "scenes" / inside;
   const std::string id = inside.empty() ? "" : inside.begin()->string();
   if (!fs::exists(file)) throw SceneNotFetched("scene {0} is not fetched: run {1} {0}", id, fetch_command());
   return file;
 }
 
-/// An error whose text names the description that named the scene.
-class BaseError : public Error {
-  using Error::Error;
-};
-
-/// The reference as the program takes it, independent of the folder that contains its description.
 std::string seen_from_here(const std::string& reference, const fs::path& description) {
   if (!names_file(reference)) return reference;
   const std::string scene = without_time(reference);
   return described_file(scene, description).string() + reference.substr(scene.size());
 }
 
+std::vector<std::string> files_named_in(const toml::table& description) {
+  std::vector<std::string> names;
+  for (const char* const list : {"mesh", "shape"})
+    if (const toml::array* items = description[list].as_array())
+      for (const toml::node& item : *items)
+        if (const toml::table* table = item.as_table())
+          for (const char* const key : {"file", "mask", "transmission"})
+            if (const auto name = (*table)[key].value_exact<std::string>()) names.push_back(*name);
+  return names;
+}
+
+namespace {
+
+/// An error whose text names the description that named the scene.
+class BaseError : public Error {
+  using Error::Error;
+};
+
 /// Throws SceneNotFetched. Loading reports every other mistake.
 void check_fetched(const std::string& reference, std::size_t depth) {
   if (depth > most_descriptions) return;
   const std::string scene = without_time(reference);
-  const fs::path file = names_file(scene) ? fs::path(scene) : data_root() / "scenes" / (scene + ".toml");
+  const fs::path file = described_in(scene);
   if (file.extension() != ".toml") return;
   toml::table document;
   try {
@@ -59,12 +69,7 @@ void check_fetched(const std::string& reference, std::size_t depth) {
   } catch (const Error&) {
     return;
   }
-  for (const char* const list : {"mesh", "shape"})
-    if (const toml::array* items = document[list].as_array())
-      for (const toml::node& item : *items)
-        if (const toml::table* table = item.as_table())
-          for (const char* const key : {"file", "mask", "transmission"})
-            if (const auto name = (*table)[key].value_exact<std::string>()) described_file(*name, file);
+  for (const std::string& name : files_named_in(document)) described_file(name, file);
   if (const auto base = document["scene"].value_exact<std::string>()) check_fetched(seen_from_here(*base, file), depth + 1);
 }
 

@@ -20,6 +20,8 @@ namespace gnomon {
 /// A TOML file, whose size and the depth of whose keys are bounded before it is parsed. Throws Error with the line of
 /// invalid TOML; `what` begins errors about the file itself.
 toml::table read_toml(const std::string& what, const std::filesystem::path& file);
+/// The files that a description of a scene names, as written: meshes, masks and transmissions.
+std::vector<std::string> files_named_in(const toml::table& description);
 
 /// A TOML table. Its constructor refuses unknown keys.
 class Table {
