@@ -53,7 +53,8 @@ double step_of(const Number<T>& row, double value, bool is_up) {
     return !is_up && value <= least * (1 + slack) ? low : std::clamp(next, low, high);
   }
   const double step = is_whole ? std::max(1.0, linear_step(high - low)) : linear_step(high - low);
-  return std::clamp(value + (is_up ? step : -step), low, high);
+  const double next = value + (is_up ? step : -step);
+  return std::clamp(std::abs(next) < slack * step ? 0 : next, low, high);
 }
 
 template <class T>
@@ -69,6 +70,7 @@ std::string number_after(const Number<T>& row, int steps) {
 }  // namespace
 
 std::string value_after(const Parameter& row, int steps) {
+  if (steps == 0) return row.text();
   if (const auto* whole = dynamic_cast<const Number<int>*>(&typed(row))) return number_after(*whole, steps);
   if (const auto* real = dynamic_cast<const Number<double>*>(&typed(row))) return number_after(*real, steps);
   const std::vector<std::string> texts = row.probes();

@@ -99,7 +99,7 @@ RC_GTEST_PROP(parameter_steps, any_number_of_steps_from_any_value_gives_one_that
   for (Parameter* const row : rows.parameters()) {
     const std::string before = row->text();
     row->set(value_after(*row, steps % 100));
-    if (steps % 100 == 0) RC_ASSERT(std::stod("0" + before) == std::stod("0" + row->text()) || row->text() == before);
+    if (steps % 100 == 0) RC_ASSERT(row->text() == before);
   }
 }
 
