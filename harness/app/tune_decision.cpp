@@ -35,7 +35,7 @@ std::vector<Tuning::Entrant> Tuning::entrants() {
   for (const auto& [standing, entrant] : all) {
     const TuneStanding& best = all.front().first;
     const bool is_near = standing.keeps_limits() && standing.goal <= (is_timed ? near_least : 1) * best.goal;
-    const bool is_runner_up = chosen.size() < 2;
+    const bool is_runner_up = chosen.size() < 2 && standing.keeps_limits() == best.keeps_limits();
     if (is_runner_up || (is_near && chosen.size() < (is_timed ? most_timed : most_exact))) chosen.push_back(entrant);
   }
   for (const Entrant& entrant : best_of_each) add_once(chosen, entrant);

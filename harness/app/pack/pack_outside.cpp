@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <fstream>
-#include <regex>
 
 #include "app/pack/pack.h"
 #include "measure/paths.h"
@@ -44,6 +43,16 @@ NotedSources noted_sources(const fs::path& library) {
   return sources;
 }
 
+/// The NAME of a line `#include "NAME"`; empty where it is another line.
+std::string included(std::string_view line) {
+  for (const std::string_view word : {"#", "include", "\""}) {
+    line.remove_prefix(std::min(line.find_first_not_of(" \t"), line.size()));
+    if (!line.starts_with(word)) return {};
+    line.remove_prefix(word.size());
+  }
+  return std::string(line.substr(0, line.find('"')));
+}
+
 /// What these sources include by "NAME", and what that includes; and the folders in which names were found that are not beside
 /// the file.
 class Includes {
@@ -51,13 +60,11 @@ class Includes {
   std::set<fs::path> files, folders;
 
   void add(const fs::path& file) {
-    static const std::regex line_of(R"re(^\s*#\s*include\s*"([^"]+)")re");
     if (!files.insert(file).second) return;
     std::ifstream stream(file);
     std::string line;
-    std::smatch found;
     while (std::getline(stream, line))
-      if (std::regex_search(line, found, line_of)) add_named(file.parent_path(), found[1]);
+      if (const std::string name = included(line); !name.empty()) add_named(file.parent_path(), name);
   }
 
  private:

@@ -282,7 +282,7 @@ int first_column(const Picture& picture, const Rgb& color, int top) {
 TEST(error_picture, the_legend_has_the_largest_share_first) {
   constexpr int w = 2000, h = 2;  // all swatches in one line
   Scored scored(w, h);
-  const auto err = [&, next = 0](Cause cause, int times) mutable {
+  auto err = [&, next = 0](Cause cause, int times) mutable {
     for (int k = 0; k < times; ++k) scored.err(next++, cause);
   };
   // Equal ones stay in the order of the causes: acne before crack.
