@@ -180,7 +180,7 @@ Cells MachineTable::cells(const MachineRow& row) const {
 
 std::vector<std::string> MachineTable::notes() const {
   std::vector<std::string> notes{
-      "ms: median of the medians of the processes by the host's clock; device: by the clock of the OpenGL device",
+      "ms: median of the medians of the processes by the host's clock; device: by the clock of the device",
       "A/B: how many times faster than A; bare: what part of the frame the technique's bare pass takes"};
   const auto has_rays = [](const MachineColumn& column) { return column.column.name.ends_with(".rays_per_second"); };
   if (std::ranges::any_of(columns_, has_rays))

@@ -177,7 +177,7 @@ void add_shorthands(Layout& layout, std::span<const Record> records, bool has_nu
     add("motion_ms", "motion", "update, and relight and resolve after it; relight and resolve alone are of the first frame");
   }
   add("resolve_device_ms", "on device",
-      "time by the clock of the OpenGL device; ms alone is by the clock of the host, which waits for the device");
+      "time by the clock of the device; ms alone is by the clock of the host, which waits for the device");
   add("floor_share", "bare share", "share of relight and resolve that the technique's bare pass takes (column floor)");
   add("rays_per_second", "rays", "millions of rays traced in a second: count rays over relight and resolve");
   if (has("resolve_device_ms") || has("clocks"))

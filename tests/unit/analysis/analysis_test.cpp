@@ -338,6 +338,7 @@ TEST(analyze, every_kind_speaks_every_format) {
   for (const std::string& kind : analysis_kinds()) {
     AnalysisOptions options;
     if (kind == "sweep") options.x = "count";
+    if (kind == "forecast") options.x = "triangles";
     for (const Format format : {Format::terminal, Format::markdown, Format::latex})
       EXPECT_GT(analyze(records, kind, options, format).size(), 100u) << kind;
     const std::string csv = analyze(records, kind, options, Format::csv);

@@ -1,5 +1,6 @@
 // Tables, pages and figures of rows whose geometry moves.
 #include "report/figure/figure.h"
+#include "report/figure/figure_style.h"
 #include "report/html/html_parts.h"
 #include "table_rows.h"
 
@@ -91,7 +92,9 @@ TEST(moving_rows, bars_are_of_the_stages_of_one_event) {
   EXPECT_TRUE(has(script(), "'build'"));
   EXPECT_FALSE(has(script(), "update"));
   options.bars = Cost::motion;
-  for (const char* part : {"'update'", "'moving relight'", "'moving resolve'", "#d55e00"})
+  const std::string color(figure_colors[static_cast<std::size_t>(Stage::resolve)]);
+  for (const std::string& part :
+       {std::string("'update'"), std::string("'moving relight'"), std::string("'moving resolve'"), color})
     EXPECT_TRUE(has(script(), part)) << part;
   EXPECT_FALSE(has(script(), "'build'"));
   options.bars = Cost::bytes;
