@@ -95,7 +95,7 @@ test("the legend says the error of all together, and none of one light's", async
   const legend = pictures.locator('ul[aria-label="Colors of the picture"]');
   await legend.filter({ hasText: /error [\d.]+ %, floor [\d.]+ %/ }).waitFor();
   await pictures.locator("select[name=picture]").selectOption({ label: "lamps.toml \u00b7 all+: left alone" });
-  await legend.filter({ hasText: /of the error/ }).filter({ hasNotText: /error [\d.]+ %, floor/ }).waitFor();
+  await legend.filter({ hasText: /false lit/ }).filter({ hasNotText: /error [\d.]+ %, floor/ }).waitFor();
   assert.deepEqual(page.troubles, []);
   await page.context().close();
 });

@@ -106,7 +106,7 @@ test("filters by words and by lists, and the plots follow", async () => {
 test("columns can be chosen", async () => {
   const page = await open(report);
   assert.equal(await page.locator('th[data-column="class.T"]').count(), 0);
-  await page.locator(".columns summary").click();
+  await page.locator(".columns summary", { hasText: "Choose columns" }).click();
   await page.locator('.columns input[name="class.T"]').check();
   assert.equal(await page.locator('th[data-column="class.T"]').count(), 1);
   await page.locator('.columns input[name="technique"]').uncheck();
@@ -124,7 +124,7 @@ test("scene, light and technique stay in sight, and the error and its causes are
     const leftsOf = (row) => [...row.children].slice(0, 3).map((cell) => Math.round(cell.getBoundingClientRect().left));
     const lefts = () => first.evaluate(leftsOf);
     const before = await lefts();
-    await page.locator(".scroll").evaluate((element) => (element.scrollLeft = element.scrollWidth));
+    await page.locator("#table .scroll").evaluate((element) => (element.scrollLeft = element.scrollWidth));
     await settled(page);
     assert.deepEqual(await lefts(), before, `at ${width} pixels`);
     const room = await first.evaluate((row) => {

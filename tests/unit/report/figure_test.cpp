@@ -196,7 +196,7 @@ TEST(figure, a_logarithmic_parameter_has_a_logarithmic_axis_with_a_place_for_zer
 
 TEST(figure, what_it_cannot_draw_it_refuses_in_its_own_words) {
   for (const double value : {1e300, std::numeric_limits<double>::infinity(), 1e-300})
-    for (const std::string& kind : {"front", "sweep", "motion"}) {
+    for (const std::string kind : {"front", "sweep", "motion"}) {
       std::vector<Record> records = some();
       records[1].metrics[Truth::shape]["error"] = value;
       records[1].frames["error"][0] = value;
