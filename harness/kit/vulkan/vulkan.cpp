@@ -119,7 +119,7 @@ void Vulkan::open_loader() {
   const auto find = reinterpret_cast<PFN_vkGetInstanceProcAddr>(dlsym(loader_, "vkGetInstanceProcAddr"));
   if (!find) throw Error("libvulkan.so.1 is no Vulkan loader: it has no vkGetInstanceProcAddr");
   GetInstanceProcAddr = find;
-#define GNOMON_VULKAN_LOAD(function) function = reinterpret_cast<PFN_vk##function>(find(nullptr, "vk" #function));
+#define GNOMON_VULKAN_LOAD(function) function = reinterpret_cast<PFN_vk##function>(find(nullptr, "vk" #function))
   GNOMON_VULKAN_GLOBALS(GNOMON_VULKAN_LOAD)
 #undef GNOMON_VULKAN_LOAD
 }
@@ -145,7 +145,7 @@ void Vulkan::make_instance() {
   info.ppEnabledExtensionNames = &debug_extension;
   check(CreateInstance(&info, nullptr, &instance_), "a Vulkan instance");
 #define GNOMON_VULKAN_LOAD(function) \
-  function = reinterpret_cast<PFN_vk##function>(GetInstanceProcAddr(instance_, "vk" #function));
+  function = reinterpret_cast<PFN_vk##function>(GetInstanceProcAddr(instance_, "vk" #function))
   GNOMON_VULKAN_OF_INSTANCE(GNOMON_VULKAN_LOAD)
 #undef GNOMON_VULKAN_LOAD
   if (!has_messages || !CreateDebugUtilsMessengerEXT) return;
@@ -235,7 +235,7 @@ void Vulkan::make_device() {
   info.enabledExtensionCount = static_cast<std::uint32_t>(extensions.size());
   info.ppEnabledExtensionNames = extensions.data();
   check(CreateDevice(physical_, &info, nullptr, &device_), properties_.deviceName);
-#define GNOMON_VULKAN_LOAD(function) function = reinterpret_cast<PFN_vk##function>(GetDeviceProcAddr(device_, "vk" #function));
+#define GNOMON_VULKAN_LOAD(function) function = reinterpret_cast<PFN_vk##function>(GetDeviceProcAddr(device_, "vk" #function))
   GNOMON_VULKAN_OF_DEVICE(GNOMON_VULKAN_LOAD)
 #undef GNOMON_VULKAN_LOAD
 
