@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cmath>
 
+#include "kit/gbuffer_texels.h"
 #include "kit/gl/gl_masks.h"
 #include "kit/gl/gl_scene_buffers.h"
 #include "kit/gl/pixel_rectangles.h"
@@ -94,17 +95,10 @@ double near_plane_of(const GBuffer& g) {
 }
 
 GBufferTextures upload(const GBuffer& g, const Scene& scene) {
-  std::vector<glm::vec4> positions(g.size()), normals(g.size());
-  std::vector<glm::uvec2> ids(g.size());
-  for (std::size_t i = 0; i < g.size(); ++i) {
-    if (g.is_background(i)) continue;
-    positions[i] = {g.position(i), 1};
-    normals[i] = {g.normal(i), scene.meshes[g.mesh[i]].receives ? 1 : 0};
-    ids[i] = {g.mesh[i] + 1, g.triangle[i]};
-  }
+  const GBufferTexels texels(g, scene);
   GBufferTextures textures;
   textures.near_plane = near_plane_of(g);
-  textures.receivers = rectangles_around(g.width, g.height, [&](std::size_t i) { return normals[i].w != 0; });
+  textures.receivers = rectangles_around(g.width, g.height, [&](std::size_t i) { return texels.normals[i].w != 0; });
   textures.upload_ms = drained_ms([&] {
     const auto fill = [&](GLenum format, GLenum components, GLenum type, const void* data) {
       Texture texture(format, g.width, g.height);
@@ -112,9 +106,9 @@ GBufferTextures upload(const GBuffer& g, const Scene& scene) {
       textures.bytes += texture.bytes;
       return texture;
     };
-    textures.position = fill(GL_RGBA32F, GL_RGBA, GL_FLOAT, positions.data());
-    textures.normal = fill(GL_RGBA32F, GL_RGBA, GL_FLOAT, normals.data());
-    textures.ids = fill(GL_RG32UI, GL_RG_INTEGER, GL_UNSIGNED_INT, ids.data());
+    textures.position = fill(GL_RGBA32F, GL_RGBA, GL_FLOAT, texels.positions.data());
+    textures.normal = fill(GL_RGBA32F, GL_RGBA, GL_FLOAT, texels.normals.data());
+    textures.ids = fill(GL_RG32UI, GL_RG_INTEGER, GL_UNSIGNED_INT, texels.ids.data());
   });
   return textures;
 }

@@ -7,6 +7,8 @@
 #include <cstring>
 #include <memory>
 
+#include "kit/gbuffer_texels.h"
+
 namespace gnomon {
 
 namespace {
@@ -85,16 +87,9 @@ VulkanBuffer uploaded(const std::vector<Value>& values) {
 }
 
 VulkanGBuffer upload(const GBuffer& g, const Scene& scene) {
-  std::vector<glm::vec4> positions(g.size()), normals(g.size());
-  std::vector<glm::uvec2> ids(g.size());
-  for (std::size_t i = 0; i < g.size(); ++i) {
-    if (g.is_background(i)) continue;
-    positions[i] = {g.position(i), 1};
-    normals[i] = {g.normal(i), scene.meshes[g.mesh[i]].receives ? 1 : 0};
-    ids[i] = {g.mesh[i] + 1, g.triangle[i]};
-  }
+  const GBufferTexels texels(g, scene);
   const auto start = std::chrono::steady_clock::now();
-  VulkanGBuffer result{uploaded(positions), uploaded(normals), uploaded(ids)};
+  VulkanGBuffer result{uploaded(texels.positions), uploaded(texels.normals), uploaded(texels.ids)};
   result.upload_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
   return result;
 }
