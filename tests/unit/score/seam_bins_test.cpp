@@ -55,7 +55,9 @@ TEST(seam_bins, errors_and_shares_are_those_of_their_own_columns) {
   double sum = 0;
   for (std::size_t k = 0; k < std::size(bins); ++k) {
     EXPECT_DOUBLE_EQ(row.share(bins[k]).value(), shares[k]) << bins[k];
-    if (k < std::size(errors)) EXPECT_DOUBLE_EQ(row.error(bins[k]).value(), errors[k]) << bins[k];
+    if (k < std::size(errors)) {
+      EXPECT_DOUBLE_EQ(row.error(bins[k]).value(), errors[k]) << bins[k];
+    }
     sum += row.share(bins[k]).value() * row.error(bins[k]).value_or(0);
   }
   EXPECT_EQ(row.error("64_up"), std::nullopt) << "no pixel is as far";

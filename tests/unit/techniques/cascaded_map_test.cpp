@@ -203,7 +203,9 @@ TEST_F(CascadedMap, blended_slices_are_weighted_means_of_both_look_ups) {
       } else if (share < -0.01) {
         EXPECT_EQ(why->taps.size(), 1u) << i;
       }
-      if (placement == "stable") EXPECT_TRUE(why->covered) << i;
+      if (placement == "stable") {
+        EXPECT_TRUE(why->covered) << i;
+      }
     }
     EXPECT_GT(both, 100) << placement;
     EXPECT_GT(between, 0) << placement << ": edges of two images differ somewhere";
