@@ -165,7 +165,7 @@ class Words(ProgramTest):
                 with self.subTest(f"{kind} {options}"):
                     rows = json.loads(self.succeed("analyze", self.small, kind, "--format", "json", *options))["rows"]
                     self.assertEqual({row["scene"] for row in rows}, places)
-        self.refuse("analyze", self.small, "map", "--over-all", says=["--over-all is for front and best; map does not take it"])
+        self.refuse("analyze", self.small, "map", "--over-all", says=["--over-all is for front, best and enough; map does not take it"])
         text = self.succeed("compare", self.small, self.small, "--all", "--over-all")
         self.assertNotIn("contact, light", text)
 
