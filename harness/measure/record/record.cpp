@@ -95,10 +95,10 @@ void to_json(Json& json, const Record& r) {
   json.update(r.unknown);
 }
 
-void from_json(const Json& json, Record& record) {
+Record record_of(Json json) {
   if (!json.is_object()) throw Error("the record = {} is not an object", json_text(json));
   Record r;
-  r.unknown = json;
+  r.unknown = std::move(json);
   const auto take = [&](std::string_view key, auto& value) {
     const auto found = r.unknown.find(key);
     if (found == r.unknown.end() || found->is_null()) {
@@ -133,8 +133,10 @@ void from_json(const Json& json, Record& record) {
     first.causes = r.causes;
     first.cause_errors = r.cause_errors;
   }
-  record = std::move(r);
+  return r;
 }
+
+void from_json(const Json& json, Record& record) { record = record_of(json); }
 
 void forget_results(Record& r) {
   const auto empty = [](auto&... fields) { ((fields = std::decay_t<decltype(fields)>()), ...); };

@@ -214,6 +214,8 @@ bool is_foreign(const Record& record);
 /// are absent or null keep their defaults, except schema, scene, lights, answer, technique and status, which must be there.
 void to_json(Json& json, const Record& record);
 void from_json(const Json& json, Record& record);
+/// The same without a copy of the JSON, which takes as long as the rest.
+Record record_of(Json json);
 
 /// Removes all that was measured. The job, where it was to run, and the technique's support stay.
 void forget_results(Record& record);

@@ -67,7 +67,7 @@ std::vector<std::string> for_each_record(const fs::path& file, const std::functi
                                     file.string(), number));
         break;
       }
-      use(parse_json(line).get<Record>(), start);
+      use(record_of(parse_json(line)), start);
     } catch (const Json::exception& problem) {
       throw Error("{}:{}: not a record: {}", file.string(), number, complaint(problem));
     } catch (const Error& problem) {
@@ -154,7 +154,7 @@ Record RecordLines::read(std::size_t line) {
   stream_.clear();
   stream_.seekg(starts_.at(line));
   if (!next_foreign_line(stream_, text, most_line_bytes)) throw Error("{} was shortened while it was read", file_.string());
-  return parse_json(text).get<Record>();
+  return record_of(parse_json(text));
 }
 
 void sort_by_place(std::vector<Record>& records) {
