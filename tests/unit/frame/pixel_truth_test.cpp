@@ -209,7 +209,9 @@ TEST(pixel_truth, pixels_without_an_answer_have_no_rays) {
     const bool faces = faces_light(seen.scene, seen.gbuffer, seen.light, i);
     (faces ? with : without) += 1;
     EXPECT_EQ(seen.shares.kept[i] > 0, faces) << i;
-    if (!faces) EXPECT_EQ(seen.shares.mean[i], 1) << i;
+    if (!faces) {
+      EXPECT_EQ(seen.shares.mean[i], 1) << i;
+    }
     EXPECT_EQ(seen.shares.error[i] > 0, faces) << i;
   }
   EXPECT_GT(with, 1000u);
