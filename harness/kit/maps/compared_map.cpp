@@ -17,8 +17,8 @@ float visibility_here() {
 }
 )";
 
-/// Writes where that looks, in texels, the layer of the image, by DECIDED_EARLY more where five texels decide, and what the
-/// decision notes.
+/// Writes where that looks, in texels, or the place of the texel beside whose answer it takes; the layer of the image, by
+/// DECIDED_EARLY more where five texels decide; and what the decision notes.
 constexpr std::string_view explain_body = R"(
 layout(location = 0) out vec4 looked_up;
 void main() {
@@ -29,11 +29,15 @@ void main() {
   ComparedPoint point = ask(surface, facet);
 #endif
   vec4 facts = light_facts;
-#ifdef BAILS_EARLY
+  vec2 place = point.position;
+#if FILTER == 7
+  compared(point);
+  place = decided_at;
+#elif defined(BAILS_EARLY)
   compared(point);
   facts.x += is_decided_early ? DECIDED_EARLY : 0;
 #endif
-  looked_up = vec4(point.position, facts.x, noted(surface, facet, point));
+  looked_up = vec4(place, facts.x, noted(surface, facet, point));
 }
 )";
 
@@ -94,6 +98,9 @@ MapComparison ComparedMap::comparison(const Light& light) const {
 
 Support ComparedMap::supports(const Scene& scene, const Light& light, const View&) const {
   if (const Support filtered = filter.support(); !filtered) return filtered;
+  if (filter.used().kind == MapFilter::Kind::revectorized && !bias.is("receiver_plane") && !bias.is("adaptive"))
+    return Support::unsupported(
+        "filter=revectorized follows edges over many texels, which bias=receiver_plane and adaptive alone compare with");
   if (const Support passes = within_limits(mask_pass_needs(mask_pass())); !passes) return passes;
   const Support support =
       light_map_support(light, resolution, comparison(light).margin(), MapComparison::constant_count, images());

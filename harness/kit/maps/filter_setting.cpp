@@ -3,12 +3,12 @@
 namespace gnomon {
 
 FilterSetting::FilterSetting(Parametrized* owner)
-    : filter(owner, "filter", "nearest", {"nearest", "pcf", "disc", "bilinear", "optimized", "bicubic", "rotated"},
-             Stage::setup,
+    : filter(owner, "filter", "nearest",
+             {"nearest", "pcf", "disc", "bilinear", "optimized", "bicubic", "rotated", "revectorized"}, Stage::setup,
              "One comparison, or the mean of several (percentage-closer filtering): of (2 filter_radius + 1)^2 texels, of a "
              "disc around the point, of the four nearest with the weights of graphics cards, of 3, 5 or 7 a side with fixed "
              "weights that move with the point, of 4 a side with those of a cubic spline, or of filter_taps on a spiral that "
-             "noise turns in each pixel."),
+             "noise turns in each pixel. Or one comparison, and lines in the place of the stairs of edges (revectorized)."),
       filter_radius(owner, "filter_radius", 1, {.unit = "texel", .min = 1, .max = 8}, Stage::relight,
                     "Half the side of the square beside its middle texel, less half a texel the disc's radius, at most 3 of "
                     "optimized; for filter=pcf, disc, optimized and rotated."),
@@ -20,6 +20,8 @@ FilterSetting::FilterSetting(Parametrized* owner)
       noise_frames(owner, "noise_frames", 1, {.min = 1, .max = 16, .log = true}, Stage::resolve,
                    "How many frames' answers are averaged, from noise_frame on: what an average over time comes to; for "
                    "filter=rotated."),
+      edge_search(owner, "edge_search", 16, {.unit = "texel", .min = 1, .max = 64, .log = true}, Stage::relight,
+                  "How far an edge is followed either way; for filter=revectorized."),
       early_bail(owner, "early_bail", false, Stage::setup,
                  "Five texels of the filter, the middle one and four around it, decide where they agree; for filter=pcf, "
                  "disc, optimized, bicubic and rotated.") {}
@@ -30,6 +32,7 @@ MapFilter FilterSetting::used() const {
           .taps = filter_taps,
           .first_frame = noise_frame,
           .frames = noise_frames,
+          .search = edge_search,
           .bails_early = early_bail};
 }
 

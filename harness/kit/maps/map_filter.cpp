@@ -18,6 +18,8 @@ int MapFilter::margin() const {
     case Kind::optimized:
     case Kind::rotated:
       return radius + 1;
+    case Kind::revectorized:
+      return search + 1;
   }
   return 0;
 }
@@ -39,6 +41,8 @@ double MapFilter::reach() const {
       return 4;
     case Kind::rotated:
       return (radius + 0.5) * std::numbers::sqrt2 + 1;
+    case Kind::revectorized:  // the texel beside: along an edge the receiver's plane is compared with
+      return 3;
   }
   return 1;
 }
@@ -127,7 +131,7 @@ std::vector<WeightedTexel> MapFilter::texels(const glm::dvec2& place, const glm:
       add(glm::ivec2(corner) + aside, near.x * near.y);
     }
   } else {
-    const int m = margin();
+    const int m = kind == Kind::revectorized ? 0 : margin();
     for (int y = -m; y <= m; ++y)
       for (int x = -m; x <= m; ++x) {
         const glm::ivec2 texel = own + glm::ivec2(x, y);
@@ -149,6 +153,7 @@ std::string filter_head(const MapFilter& filter) {
 void set_filter(const Program& program, const MapFilter& filter) {
   program.set_if_used("radius", filter.radius);
   program.set_if_used("first_step", filter.first_step());
+  program.set_if_used("edge_search", filter.search);
   if (filter.kind == MapFilter::Kind::rotated) {
     std::array<glm::vec4, MapFilter::most_taps> spiral{};
     for (int k = 0; k < filter.taps; ++k) spiral[static_cast<std::size_t>(k)] = glm::vec4(filter.spiral(k), 0, 0);
@@ -178,6 +183,9 @@ uniform vec4 kernel;
 #elif FILTER == 6
 uniform vec4 spiral[MOST_TAPS];
 uniform int spiral_taps, noise_begin, noise_end;
+#elif FILTER == 7
+uniform int edge_search;
+vec2 decided_at;
 #endif
 
 #if FILTER == 4
@@ -195,6 +203,31 @@ float weight_along(int k, float share) {
 float gradient_noise(vec2 pixel) {
   precise float along = 0.06711056 * pixel.x + 0.00583715 * pixel.y, many = 52.9829189 * fract(along);
   return fract(many);
+}
+#endif
+
+#if FILTER == 7
+bool is_dark_at(ComparedPoint point, vec2 tap) { return lit_at(point, tap) == 0; }
+
+/// How many texels after this one have the edge to the dark texels on that side, and whether a dark one ends it.
+float edge_ahead(ComparedPoint point, vec2 texel, vec2 side, vec2 ahead, out bool is_dark_end) {
+  is_dark_end = false;
+  for (int k = 1; k <= edge_search; ++k) {
+    texel += ahead;
+    is_dark_end = is_dark_at(point, texel);
+    if (is_dark_end || !is_dark_at(point, texel + side)) return float(k - 1);
+  }
+  return float(edge_search);
+}
+
+/// What part of the texel is dark next to that side: up to a line which rises from nothing to a whole texel at a dark end.
+float height_of_edge(ComparedPoint point, vec2 texel, vec2 side, vec2 share) {
+  vec2 along = abs(side.yx);
+  bool is_dark_before, is_dark_behind;
+  float before = edge_ahead(point, texel, side, -along, is_dark_before);
+  float behind = edge_ahead(point, texel, side, along, is_dark_behind);
+  float part = (before + dot(along, share)) / (before + 1 + behind);
+  return is_dark_before && is_dark_behind ? abs(2 * part - 1) : is_dark_before ? 1 - part : is_dark_behind ? part : 0;
 }
 #endif
 
@@ -230,6 +263,17 @@ float compared(ComparedPoint point) {
     for (int k = 0; k < spiral_taps; ++k)
       lit += lit_at(point, floor(position + mat2(c, s, -s, c) * spiral[k].xy)), sum += 1;
   }
+#elif FILTER == 7
+  vec2 texel = floor(position), share = position - texel;
+  float lit = lit_at(point, texel);
+  decided_at = position;
+  for (int k = 0; k < 4 && !is_done && lit == 1; ++k) {
+    vec2 side = float(k % 2 * 2 - 1) * (k < 2 ? vec2(1, 0) : vec2(0, 1));
+    float from_side = abs(dot(side, share) - float(k % 2));
+    if (!is_dark_at(point, texel + side) || from_side >= height_of_edge(point, texel, side, share)) continue;
+    lit = 0;
+    decided_at = texel + side + 0.5;
+  }
 #elif FILTER >= 4
   float lit = 0, sum = 0;
   vec2 corner = floor(position - 0.5), share = position - 0.5 - corner;
@@ -252,7 +296,7 @@ float compared(ComparedPoint point) {
       lit += weight * lit_at(point, tap), sum += weight;
     }
 #endif
-#if FILTER != 0 && FILTER != 3
+#if FILTER != 0 && FILTER != 3 && FILTER != 7
 #ifdef BAILS_EARLY
   if (is_decided_early) lit = five, sum = 5;
 #endif

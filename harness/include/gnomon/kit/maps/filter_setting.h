@@ -4,8 +4,8 @@
 
 namespace gnomon {
 
-/// The parameters `filter`, `filter_radius`, `filter_taps`, `noise_frame`, `noise_frames` and `early_bail` of techniques that
-/// compare depths.
+/// The parameters `filter`, `filter_radius`, `filter_taps`, `noise_frame`, `noise_frames`, `edge_search` and `early_bail` of
+/// techniques that compare depths.
 class FilterSetting {
  public:
   explicit FilterSetting(Parametrized* owner);
@@ -15,7 +15,7 @@ class FilterSetting {
 
  private:
   Choice filter;
-  Number<int> filter_radius, filter_taps, noise_frame, noise_frames;
+  Number<int> filter_radius, filter_taps, noise_frame, noise_frames, edge_search;
   Flag early_bail;
 };
 
