@@ -218,10 +218,12 @@ std::optional<Explanation> ParaboloidMap::explain(std::size_t index) const {
   const glm::dvec3 way(2.0 * middle, (1 - squared) * (texel.z > 0 ? -1 : 1));
   const glm::dvec3 direction = axes() * (way / (1 + squared));
   const double stored = texel.w > 0 ? nearest_ / texel.w : INFINITY;
-  why.taps.push_back({place_, direction, 1, stored});
   if (!made_->rays) made_->rays.emplace(*made_->scene, Truth::mesh, RayScene::Which::casters);
   const double met = made_->rays->closest_caster(place_, direction).t;
-  if ((stored < r - why.bias) != (met < r - why.bias)) why.cause = causes[0].id;
+  // Where another surface is shown that answers alike, what the ray meets is as wrong, and says why.
+  const bool is_alike = (stored < r - why.bias) == (met < r - why.bias);
+  why.taps.push_back({place_, direction, 1, is_alike ? met : stored});
+  if (!is_alike) why.cause = causes[0].id;
   return why;
 }
 
