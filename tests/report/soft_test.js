@@ -193,6 +193,50 @@ test("masks are gray, and the read-out says how far a pixel is off", async () =>
   await page.context().close();
 });
 
+// Half of the light in twice the light is white, in half of it a quarter. False colors are a helix (Green 2011): black and white
+// at the ends, and in between lighter the more is seen, as luminance by Rec. 709 is.
+test("exposure multiplies the light, and false colors rise with it", async () => {
+  const page = await openPictures("area_rays:samples=4");
+  const data = await dataOf(page);
+  const row = rowOf(data, "area_rays:samples=4"),
+    { pictures } = data.groups[data.rows[row].group];
+  const mask = await sharesOf(page, data.rows[row].pictures.mask, pictures.bits),
+    classes = await bytesOf(page, pictures.classes);
+  const tested = data.classes.findIndex((info) => info.name === "T");
+  const at = (value) => mask.findIndex((share, i) => share === value && classes[i] === tested);
+  const half = at(2048 / 4095),
+    colorOf = (i) => colorAt(page, i % 160, Math.floor(i / 160));
+  const [exposure, colors] = [page.locator("select[name=exposure]"), page.locator(".toggle", { hasText: "false colors" }).locator("input")];
+  await choose(page, "flicker");
+  await page.locator(".toggle", { hasText: "shaded" }).locator("input").uncheck();
+  for (const [stops, gray] of [["1", 255], ["-1", 64], ["0", 128]]) {
+    await exposure.selectOption(stops);
+    assert.deepEqual(await colorOf(half), [gray, gray, gray], stops);
+  }
+  await colors.check();
+  const legend = await page.locator('#pictures ul[aria-label="Colors of the picture"]').textContent();
+  assert.match(legend, /dark0.*0\.25.*0\.5.*0\.75.*1.*lit/);
+  const shown = [];
+  for (const value of [0, 1024 / 4095, 2048 / 4095, 3071 / 4095, 1]) if (at(value) >= 0) shown.push(await colorOf(at(value)));
+  assert.ok(shown.length >= 4, `${shown.length} shares are seen`);
+  assert.deepEqual([shown[0], shown.at(-1)], [[0, 0, 0], [255, 255, 255]]);
+  const lightness = shown.map(([r, g, b]) => 0.2126 * r + 0.7152 * g + 0.0722 * b);
+  lightness.slice(1).forEach((value, k) => assert.ok(value > lightness[k] + 20, String(lightness)));
+  assert.ok(shown.slice(1, -1).some(([r, g, b]) => Math.max(r, g, b) - Math.min(r, g, b) > 60), "they are colors");
+  // A link shows what was seen, and differences have colors of their own.
+  await exposure.selectOption("2");
+  assert.match(await page.locator('#pictures ul[aria-label="Colors of the picture"]').textContent(), /0\.125.*or more.*4 times the light/);
+  const again = await page.context().newPage();
+  await again.goto(page.url());
+  await settled(again);
+  assert.equal(await again.locator("select[name=exposure]").inputValue(), "2");
+  assert.ok(await again.locator(".toggle", { hasText: "false colors" }).locator("input").isChecked());
+  await choose(page, "difference");
+  assert.ok(await exposure.isHidden());
+  assert.deepEqual(page.troubles, []);
+  await page.context().close();
+});
+
 /** The pixels of a PNG file, [r, g, b] each. */
 const pixelsOf = (page, file) =>
   page.evaluate(

@@ -10,9 +10,10 @@ import { Divider } from "./divider.js";
 import { chooser, h, list, toggle } from "./dom.js";
 import { suggestedLine } from "./line_pixels.js";
 import { LineTool } from "./line_tool.js";
-import { contourLegend, legendOf } from "./picture_legend.js";
+import { contourLegend, legendOf, toneLegend } from "./picture_legend.js";
 import { Profile } from "./profile.js";
 import { readOut } from "./read_out.js";
+import { Tone } from "./tone.js";
 import { Viewport } from "./viewport.js";
 
 const modes = [
@@ -57,6 +58,7 @@ class Comparer {
     this.b = chooser("b", [], load, "B");
     const scales = data.signed.scales.map((scale) => ({ value: String(scale), text: `\u00b1${scale}` }));
     this.scale = chooser("scale", scales, () => this.compose(), "colors end at");
+    this.tone = new Tone(() => this.compose());
     this.divider = new Divider(() => {
       this.view?.draw();
       this.address?.keep();
@@ -128,6 +130,7 @@ class Comparer {
         this.scale.element,
         this.flickers,
         switchOf("is_shaded", "shaded"),
+        this.tone.elements,
         has_all_light && switchOf("shows_all_light", "all light"),
         switchOf("has_contours", "contours"),
         toggle("profile", (on) => this.setProfile(on)),
@@ -288,7 +291,8 @@ class Comparer {
   compose() {
     if (!this.frame) return;
     const { frame, sideA, sideB } = this;
-    const plain = this.is_shaded ? compose.shaded : compose.maskOnly;
+    const { gain, is_false } = this.tone;
+    const plain = is_false ? compose.inFalseColors : this.is_shaded ? compose.shaded : compose.maskOnly;
     const make = {
       difference: () => compose.difference(frame, sideA.mask, sideB.mask, Number(this.scale.value)),
       error: () => compose.errors(frame, sideA, null),
@@ -296,7 +300,8 @@ class Comparer {
       classes: () => compose.classes(frame),
     }[this.mode.name];
     const made = make?.() ?? null;
-    const show = (side) => (this.isInAllLight(side) ? compose.colored(frame, side.global) : plain(frame, side.mask));
+    const show = (side) => (this.isInAllLight(side) ? compose.colored(frame, side.global, gain) : plain(frame, side.mask, gain));
+    this.tone.offer(!made);
     const sides = [sideA, sideB, ...(this.mode.name === "beside" ? this.further : [])];
     this.pictures = made ? [canvasOf(made.image)] : sides.map((side) => canvasOf(show(side)));
     this.showLegend(made);
@@ -306,9 +311,9 @@ class Comparer {
     this.address?.keep();
   }
 
-  /** Whether a side is shown in all light: the toggle is on, and the side has that picture. */
+  /** Whether a side is shown in all light: the toggle is on, false colors are not, and the side has that picture. */
   isInAllLight(side) {
-    return this.shows_all_light && Boolean(side.global);
+    return this.shows_all_light && !this.tone.is_false && Boolean(side.global);
   }
 
   label() {
@@ -331,7 +336,7 @@ class Comparer {
 
   showLegend(made) {
     const entries = [
-      ...legendOf(this.mode.name, this.frame, this.sideA, made, Number(this.scale.value)),
+      ...(made ? legendOf(this.mode.name, this.frame, this.sideA, made, Number(this.scale.value)) : toneLegend(this.tone)),
       ...(this.has_contours ? contourLegend(this.contoured().flat()) : []),
     ];
     this.legend.replaceChildren(...entries);

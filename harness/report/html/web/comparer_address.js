@@ -20,7 +20,7 @@ export class ComparerAddress {
 
   /** What is shown, in texts. The view is that of its middle, which fits a canvas of another size. */
   get shown() {
-    const { where, a, b, mode, scale, divider, view, beside } = this.comparer;
+    const { where, a, b, mode, scale, divider, view, beside, tone } = this.comparer;
     return {
       where: where.value,
       a: a.value,
@@ -32,6 +32,8 @@ export class ComparerAddress {
       ...Object.fromEntries(
         switches.map(([member, name, usual]) => [name, this.comparer[member] !== usual && (usual ? "off" : "on")]),
       ),
+      exposure: tone.gain !== 1 && tone.exposure.value,
+      false_colors: tone.is_false && "on",
       ...(view.is_fit ? { zoom: null, x: null, y: null } : view.middle),
     };
   }
@@ -57,6 +59,7 @@ export class ComparerAddress {
     for (const name of ["a", "b", "scale"]) set(comparer[name], recalled(name));
     for (const list of comparer.beside.lists) set(list, recalled(list.select.name) ?? noChoice);
     for (const [member, name, usual] of switches) comparer.setSwitch(member, (recalled(name) !== null) !== usual);
+    comparer.tone.set(recalled("exposure") ?? "0", recalled("false_colors") !== null);
     comparer.divider.set(recalledNumber("wipe") ?? 0.5);
     comparer.setMode(this.modes.find(({ name }) => name === recalled("mode")) ?? comparer.mode);
     const [zoom, x, y] = ["zoom", "x", "y"].map(recalledNumber);

@@ -3,6 +3,7 @@
 // the light, 0 .. 1.
 
 import { clamp, data } from "./data.js";
+import { falseColor } from "./tone.js";
 
 const tested = data.classes.findIndex((info) => info.name === "T");
 const firstFacing = data.classes.findIndex((info) => info.name === "G");
@@ -50,27 +51,40 @@ function painted({ width, height }, paint) {
   return image;
 }
 
-/** The scene under this mask: exact at 0 and 1, mixed in linear light between; `bright` has the light that `lit` cuts off. */
-export function shaded(frame, mask) {
+/** A byte of a picture with so many times the light. */
+const exposed = (byte, gain) => (gain === 1 ? byte : srgb(Math.min(1, gain * linear[byte])));
+
+/**
+ * The scene under this mask in so many times the light: exact at 0 and 1, mixed in linear light between; `bright` has the light
+ * that `lit` cuts off.
+ */
+export function shaded(frame, mask, gain) {
   const { lit, dark, bright, white } = frame;
   const full = (k) => (lit[k] < 255 || !bright ? linear[lit[k]] : white * linear[bright[k]]);
-  const mixed = (v, k) => srgb(Math.min(1, v * full(k) + (1 - v) * linear[dark[k]]));
+  const mixed = (v, k) => srgb(Math.min(1, gain * (v * full(k) + (1 - v) * linear[dark[k]])));
   return painted(frame, (i, color) => {
     const v = mask[i];
     for (let c = 0; c < 3; ++c) {
       const k = 3 * i + c;
-      color[c] = v === 1 ? lit[k] : v === 0 ? dark[k] : mixed(v, k);
+      color[c] = v === 1 && gain === 1 ? lit[k] : v === 0 ? exposed(dark[k], gain) : mixed(v, k);
     }
   });
 }
 
-/** A picture of colors as it is. */
-export const colored = (frame, rgb) =>
+/** A picture of colors in so many times its light. */
+export const colored = (frame, rgb, gain) =>
   painted(frame, (i, color) => {
-    for (let c = 0; c < 3; ++c) color[c] = rgb[3 * i + c];
+    for (let c = 0; c < 3; ++c) color[c] = exposed(rgb[3 * i + c], gain);
   });
 
-export const maskOnly = (frame, mask) => painted(frame, (i, color) => color.fill(255 * mask[i]));
+export const maskOnly = (frame, mask, gain) => painted(frame, (i, color) => color.fill(255 * Math.min(1, gain * mask[i])));
+
+/** Visibility in false colors where the surface faces the light, the rest dark. */
+export const inFalseColors = (frame, mask, gain) =>
+  painted(frame, (i, color) => {
+    const shown = isFacing(frame, i) ? falseColor(gain * mask[i]) : [ghost(frame, i), ghost(frame, i), ghost(frame, i)];
+    for (let c = 0; c < 3; ++c) color[c] = shown[c];
+  });
 
 /** The gray of the lit scene, 0 .. 255. */
 const grayOf = ({ lit }, i) => (2 * lit[3 * i] + 5 * lit[3 * i + 1] + lit[3 * i + 2]) / 8;

@@ -5,22 +5,40 @@ import { levels } from "./contours.js";
 import { columnNamed, data, sum, textOf, valueOf } from "./data.js";
 import { measured, percent, tick } from "./digits.js";
 import { h, rgb, swatch, words } from "./dom.js";
+import { falseColor } from "./tone.js";
 
 const line = (text) => h("li", {}, text);
 const entry = (color, text, title) => h("li", { title }, swatch(rgb(color)), text);
 const pixels = (count, all, what) => `${count.toLocaleString("en")} px, ${percent(all ? count / all : 0)} of ${what}`;
 
-/** The colors of signed differences from end to end, with numbers. */
+/** Colors from end to end with numbers below, between two words. */
+function ramp(colors, numbers, [before, behind]) {
+  const [first, last] = [numbers[0], numbers.at(-1)];
+  const shown = h(
+    "span",
+    { class: "ramp", role: "img", "aria-label": `Colors from ${first} to ${last}` },
+    swatch(`linear-gradient(to right, ${colors.map(rgb).join()})`),
+    h("span", { class: "ticks" }, numbers.map((number) => h("span", {}, number))),
+  );
+  return h("li", { class: "scale" }, h("span", {}, before), shown, h("span", {}, behind));
+}
+
+/** The colors of signed differences. */
 function signedScale(scale) {
   const sign = (share) => (share < 0 ? "\u2212" : share > 0 ? "+" : "");
-  const numbers = [-1, -0.5, 0, 0.5, 1].map((share) => h("span", {}, sign(share) + tick(Math.abs(share * scale))));
-  const ramp = h(
-    "span",
-    { class: "ramp", role: "img", "aria-label": `Colors from \u2212${scale} to +${scale}` },
-    swatch(`linear-gradient(to right, ${data.signed.colors.map(rgb).join()})`),
-    h("span", { class: "ticks" }, numbers),
-  );
-  return h("li", { class: "scale" }, h("span", {}, "A darker"), ramp, h("span", {}, "A lighter"));
+  const numbers = [-1, -0.5, 0, 0.5, 1].map((share) => sign(share) + tick(Math.abs(share * scale)));
+  return ramp(data.signed.colors, numbers, ["A darker", "A lighter"]);
+}
+
+/** What visibility is shown as, unless that is as usual. */
+export function toneLegend({ gain, is_false }) {
+  const shares = [0, 0.25, 0.5, 0.75, 1];
+  const colors = Array.from({ length: 33 }, (_, k) => falseColor(k / 32));
+  return [
+    is_false && ramp(colors, shares.map((share) => tick(share / gain)), ["dark", gain > 1 ? "or more" : "lit"]),
+    is_false && line("Dark gray: background, or turned away from the light."),
+    gain !== 1 && line(`exposure: ${tick(gain)} times the light`),
+  ].filter(Boolean);
 }
 
 const signed = (value) => (value < 0 ? "\u2212" : "+") + measured(Math.abs(value));
