@@ -27,8 +27,8 @@ class MyPlugin final : public Technique {
     tests_ = 0;
     for (std::size_t i = 0; i < pixels.size(); ++i) {
       if (!faces_light(*scene_, gbuffer, light_, i)) continue;
-      // From gbuffer.position(i) on the way to_light(light_, position), which ends at t = 1 under a point light and never under
-      // a sun: set pixels[i] to 0 where something is in the way.
+      // From gbuffer.position(i) on the way to_light(homogeneous(light_), position), which ends at t = 1 under a point light
+      // and never under a sun: set pixels[i] to 0 where something is in the way.
     }
   }
   Counts counts() const override { return {{"tests", static_cast<double>(tests_), ""}, {"bytes", 0, "byte"}}; }
