@@ -15,12 +15,22 @@ function(gnomon_add_renderer id)
   install(TARGETS gnomon_${id} COMPONENT engines EXCLUDE_FROM_ALL)
 endfunction()
 
-# gnomon_install_programs(FOLDER DESTINATION): the programs of a folder, without sources and what npm has put there.
+# gnomon_install_programs(FOLDER DESTINATION): the programs of a folder, without sources and what npm has put there. Their folders are
+# those that have their id, and those that their commands lead into, which several may share.
 function(gnomon_install_programs folder destination)
   file(GLOB descriptions CONFIGURE_DEPENDS "${folder}/*.toml")
+  set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${descriptions})
   install(FILES ${descriptions} DESTINATION ${destination})
   foreach(description IN LISTS descriptions)
     get_filename_component(id "${description}" NAME_WE)
+    list(APPEND ids "${id}")
+    file(STRINGS "${description}" command REGEX "^command = ")
+    string(REGEX MATCHALL "\"[a-z0-9_]+/" words "${command}")
+    string(REGEX REPLACE "[\"/]" "" words "${words}")
+    list(APPEND ids ${words})
+  endforeach()
+  list(REMOVE_DUPLICATES ids)
+  foreach(id IN LISTS ids)
     if(IS_DIRECTORY "${PROJECT_SOURCE_DIR}/${folder}/${id}")
       install(DIRECTORY ${folder}/${id} DESTINATION ${destination} PATTERN "*.cpp" EXCLUDE PATTERN "*.h" EXCLUDE
               PATTERN "node_modules" EXCLUDE PATTERN ".gitignore" EXCLUDE PATTERN "__pycache__" EXCLUDE)

@@ -286,14 +286,19 @@ std::string search_path() {
 
 std::vector<fs::path> program_files(const ProgramDescription& d) {
   std::vector<fs::path> files = {d.file};
+  std::set<fs::path> folders = {fs::path(d.file).replace_extension()};
   std::error_code ignored;
   for (std::size_t k = 1; k < d.command.size(); ++k) {
-    const fs::path file = d.file.parent_path() / d.command[k];
-    if (fs::is_regular_file(file, ignored)) files.push_back(file);
+    const fs::path word = d.command[k], file = d.file.parent_path() / word;
+    if (!fs::is_regular_file(file, ignored)) continue;
+    files.push_back(file);
+    if (word.is_relative() && word.has_parent_path() && *word.begin() != "." && *word.begin() != "..")
+      folders.insert(file.parent_path());
   }
-  std::set<fs::path> own;  // of its folder, where it has one
-  for (const fs::directory_entry& entry : fs::directory_iterator(fs::path(d.file).replace_extension(), ignored))
-    if (entry.is_regular_file(ignored) && std::ranges::find(files, entry.path()) == files.end()) own.insert(entry.path());
+  std::set<fs::path> own;  // of its folders, where there are any
+  for (const fs::path& folder : folders)
+    for (const fs::directory_entry& entry : fs::directory_iterator(folder, ignored))
+      if (entry.is_regular_file(ignored) && std::ranges::find(files, entry.path()) == files.end()) own.insert(entry.path());
   files.insert(files.end(), own.begin(), own.end());
   return files;
 }

@@ -51,7 +51,7 @@ struct ProgramDescription {
 std::shared_ptr<const ProgramDescription> read_program(const std::filesystem::path& file);
 
 /// The files of a program: its description, those words of its command that are files where it runs, and the files of the
-/// folder ID beside ID.toml.
+/// folder ID beside ID.toml and of the folders there that these words lead into: several programs may share one.
 std::vector<std::filesystem::path> program_files(const ProgramDescription& description);
 
 /// Whether a technique is a program of its own.

@@ -3,6 +3,8 @@
 #include <gnomon/error.h>
 #include <gtest/gtest.h>
 
+#include <set>
+
 #include "error_words.h"
 #include "measure/scene/blob.h"
 #include "measure/scratch_folder.h"
@@ -89,6 +91,31 @@ TEST(description, names_the_stages_of_a_technique_that_is_a_program) {
   EXPECT_TRUE(described_stages(entry).empty());
   entry.origin = (folder.path() / "program.toml").string();
   EXPECT_EQ(described_stages(entry), (std::vector<std::string>{"build", "update", "resolve"}));
+}
+
+// Where two programs share a folder, a change of any file there is a change of both.
+TEST(description, files_of_a_program_are_those_of_the_folders_that_its_command_leads_into) {
+  const ScratchFolder folder = ScratchFolder::temporary("gnomon-description");
+  const auto place = [&](const char* file) { return folder.path() / file; };
+  for (const char* const inner : {"shared/deeper", "program", "other"}) std::filesystem::create_directories(place(inner));
+  for (const char* const file : {"shared/first.py", "shared/second.py", "shared/deeper/third.py", "program/own.txt", "other/no.py",
+                                 "beside.py", "alone.py"})
+    write_file(place(file), "");
+  const auto files_of = [&](const std::string& command) {
+    write_file(place("program.toml"), "title = \"T\"\nsummary = \"S.\"\nsource = \"None.\"\nerror = \"E.\"\nfails = \"F.\"\n" +
+                                          ("command = [" + command + "]\n"));
+    const std::vector<std::filesystem::path> files = program_files(*read_program(place("program.toml")));
+    return std::set<std::filesystem::path>(files.begin(), files.end());
+  };
+  const auto expected = [&](std::vector<const char*> more) {
+    std::set<std::filesystem::path> files = {place("program.toml"), place("program/own.txt")};
+    for (const char* const file : more) files.insert(place(file));
+    return files;
+  };
+  EXPECT_EQ(files_of("\"python3\", \"shared/first.py\""), expected({"shared/first.py", "shared/second.py"}));
+  EXPECT_EQ(files_of("\"python3\", \"beside.py\""), expected({"beside.py"}));
+  EXPECT_EQ(files_of("\"python3\", \"program/own.txt\""), expected({}));
+  EXPECT_EQ(files_of("\"python3\", \"" + place("other/no.py").string() + "\""), expected({"other/no.py"}));
 }
 
 }  // namespace description_test
