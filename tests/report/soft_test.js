@@ -226,6 +226,7 @@ test("exposure multiplies the light, and false colors rise with it", async () =>
   // A link shows what was seen, and differences have colors of their own.
   await exposure.selectOption("2");
   assert.match(await page.locator('#pictures ul[aria-label="Colors of the picture"]').textContent(), /0\.125.*or more.*4 times the light/);
+  await page.waitForFunction(() => location.hash.includes("exposure=2"));
   const again = await page.context().newPage();
   await again.goto(page.url());
   await settled(again);
