@@ -8,23 +8,9 @@ that of tracing the picture with shadows; what Blender does before it (taking th
 from pathlib import Path
 
 import numpy as np
-from gnomon_engine import Awaited, Camera, Child, FramePairs, pair_of, require_version
+from gnomon_blender import HARD, lamp_of, rendered, start_blender
+from gnomon_engine import FramePairs, pair_of
 from gnomon_technique import Technique, serve
-
-HARD = ("point", "spot", "directional")
-
-
-def basis(right, up, back, place):
-    """The matrix of a camera or light that looks along -z, with y up."""
-    return [[*row, where] for row, where in zip(np.column_stack((right, up, back)).tolist(), place)] + [[0, 0, 0, 1]]
-
-
-def looking(way, place):
-    """The same for a light that shines along `way`."""
-    back = -np.asarray(way, float) / np.linalg.norm(way)
-    right = np.cross(np.eye(3)[np.argmin(np.abs(back))], back)
-    right /= np.linalg.norm(right)
-    return basis(right, np.cross(back, right), back, place)
 
 
 def textures(mesh):
@@ -74,10 +60,7 @@ class Cycles(Technique):
         return ("unsupported", why) if why else "full"
 
     def setup(self):
-        command = ["blender", "-b", "--factory-startup", "-noaudio", "--python", str(Path(__file__).with_name("blender_side.py"))]
-        self.blender = Child("Blender", command)
-        version = self.blender.ask(do="start", folder=self.folder, threads=self.threads)["version"]
-        require_version("Blender", version, "3.4")
+        self.blender, version = start_blender(Path(__file__).with_name("blender_side.py"), self.folder, self.threads)
         self.maker = f"Blender {version} (Cycles)"
         self.pairs = FramePairs()
 
@@ -108,34 +91,12 @@ class Cycles(Technique):
 
     def relight(self, light):
         self.light = light
-        # Blender's watts: a lamp without area sends P / (4 pi) W/sr, one with area has the radiance P / (4 A), and a sun's are W/m2.
-        kind, size, sides, power = "POINT", (0, 0), 1, 4 * np.pi * light.intensity
-        if light.kind == "directional":
-            kind, power, matrix = "SUN", light.intensity, looking(light.direction, (0, 0, 0))
-        elif light.kind in HARD:
-            matrix = looking((0, -1, 0), light.position)
-        else:
-            kind, sides = "AREA", 1 if light.one_sided else 2
-            if light.kind == "disc":
-                matrix, size = looking(light.normal, light.center), (2 * light.radius, None)
-                power = 4 * np.pi * light.radius**2 * light.intensity
-            else:  # it shines along half_u x half_v
-                u, v = np.linalg.norm(light.half_u), np.linalg.norm(light.half_v)
-                back = -np.cross(light.half_u, light.half_v) / (u * v)
-                matrix, size = basis(-light.half_u / u, light.half_v / v, back, light.center), (2 * u, 2 * v)
-                power = 4 * 4 * u * v * light.intensity
-        self.blender.ask(do="relight", kind=kind, power=float(power), matrix=matrix, size=size, sides=sides)
+        self.blender.ask(do="relight", **lamp_of(light, light.intensity))
         self.is_hard = light.kind in HARD
 
     def frame(self, gbuffer, shadows):
-        c = Camera(gbuffer.view, gbuffer.width, gbuffer.height, self.corners)
-        picture = Awaited(self.folder, "frame.npy")
-        done = self.blender.ask(do="frame", matrix=basis(c.right, c.up, -c.forward, c.eye), fov_y=float(np.radians(c.fov_y_degrees)),
-                                near=c.near, far=c.far, width=gbuffer.width, height=gbuffer.height, shadows=shadows, out=str(picture.path),
-                                samples=1 if self.is_hard else self.settings.samples, seed=self.settings.seed)
-        pixels = np.load(picture.taken()).astype(float)
-        if pixels.shape != (gbuffer.height, gbuffer.width):
-            raise RuntimeError(f"Blender's picture has the shape {pixels.shape}; {(gbuffer.height, gbuffer.width)} is required")
+        samples = 1 if self.is_hard else self.settings.samples
+        pixels, done = rendered(self, gbuffer, shadows=shadows, samples=samples, seed=self.settings.seed)
         return pixels, done["trace_ms"], done["sync_ms"]
 
     def resolve(self, gbuffer, mask):

@@ -168,27 +168,35 @@ class Renderer:
             self.scene.collection.objects.link(item)
             self.lights.append(light)
 
-    def frame(self, matrix, fov_y, near, far, width, height, samples, seed, shadows, out):
-        camera, render = self.camera.data, self.scene.render
-        self.camera.matrix_world = Matrix(matrix)
-        camera.sensor_fit, camera.lens_unit = "VERTICAL", "FOV"
-        camera.angle_y, camera.clip_start, camera.clip_end = fov_y, near, far
-        render.resolution_x, render.resolution_y, render.resolution_percentage = width, height, 100
+    def frame(self, samples, seed, shadows, out, **view):
+        self.look(**view)
         self.scene.cycles.samples, self.scene.cycles.seed = samples, seed
         for light in self.lights:
             light.cycles.cast_shadow = light.use_shadow = shadows
         said = self.render()
         start, end = (next(when for line, when in said if words in line) for words in ("| Sample 0/", "| Finished"))
+        self.save(out)
+        return {"trace_ms": 1000 * (end - start), "sync_ms": 1000 * (start - said[0][1])}
+
+    def look(self, matrix, fov_y, near, far, width, height):
+        camera, render = self.camera.data, self.scene.render
+        self.camera.matrix_world = Matrix(matrix)
+        camera.sensor_fit, camera.lens_unit = "VERTICAL", "FOV"
+        camera.angle_y, camera.clip_start, camera.clip_end = fov_y, near, far
+        render.resolution_x, render.resolution_y, render.resolution_percentage = width, height, 100
+
+    def save(self, out):
+        """Writes the green of the picture, from the upper row on."""
         file = str(self.folder / "frame.exr")
         Path(file).unlink(missing_ok=True)  # a picture that cannot be written is an error, not the one before
         bpy.data.images["Render Result"].save_render(file)
         picture = bpy.data.images.load(file)
         picture.colorspace_settings.name = "Non-Color"
+        width, height = picture.size
         pixels = np.empty(4 * width * height, np.float32)
         picture.pixels.foreach_get(pixels)
         bpy.data.images.remove(picture)
         np.save(out, pixels.reshape(height, width, 4)[::-1, :, 1])
-        return {"trace_ms": 1000 * (end - start), "sync_ms": 1000 * (start - said[0][1])}
 
     def render(self):
         """Renders, and returns the lines on its steps and when Blender wrote them: it prints each to standard output as it calls the handler."""
