@@ -7,7 +7,7 @@ HARD = ("point", "spot", "directional")
 
 
 def start_blender(script, folder, threads, **environment):
-    """A process of Blender that runs a script, without a window, and its version; RuntimeError where it is another than the adapters'."""
+    """A process of Blender that runs a script, without a window, and its version; RuntimeError unless that is the adapters'."""
     child = Child("Blender", ["blender", "-b", "--factory-startup", "-noaudio", "--python", str(script)], **environment)
     version = child.ask(do="start", folder=folder, threads=threads)["version"]
     require_version("Blender", version, "3.4")
@@ -53,8 +53,8 @@ def lamp_of(light, intensity):
 def look_of(gbuffer, corners):
     """Of a G-buffer's view, with planes that hold all corners, what look() of Blender's side takes."""
     c = Camera(gbuffer.view, gbuffer.width, gbuffer.height, corners)
-    return {"matrix": basis(c.right, c.up, -c.forward, c.eye), "fov_y": float(np.radians(c.fov_y_degrees)), "near": c.near, "far": c.far,
-            "width": gbuffer.width, "height": gbuffer.height}
+    return {"matrix": basis(c.right, c.up, -c.forward, c.eye), "fov_y": float(np.radians(c.fov_y_degrees)),
+            "near": c.near, "far": c.far, "width": gbuffer.width, "height": gbuffer.height}
 
 
 def rendered(technique, gbuffer, **request):
