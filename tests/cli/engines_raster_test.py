@@ -55,15 +55,15 @@ class EngineRaster(ProgramTest):
         super().setUp()
         self.environment["PATH"] = os.environ["PATH"]
 
-    def errors(self, scene, *techniques):
+    def errors(self, scene, *techniques, lights=("sun", "point", "spot")):
         """The mean error of each technique under each light; all rows must be there."""
         out = self.dir / "run"
         shutil.rmtree(out, ignore_errors=True)
         names = [word for technique in techniques for word in ("--technique", technique)]
-        lights = [word for light in ("sun", "point", "spot") for word in ("--light", light)]
-        self.succeed("run", "--scene", scene, *lights, *names, "--truth", "mesh", *NUMBERS, "--timeout", "300", "--quiet", "--out", out)
+        words = [word for light in lights for word in ("--light", light)]
+        self.succeed("run", "--scene", scene, *words, *names, "--truth", "mesh", *NUMBERS, "--timeout", "300", "--quiet", "--out", out)
         rows = records(out)
-        self.assertEqual(len(rows), 3 * len(techniques))
+        self.assertEqual(len(rows), len(lights) * len(techniques))
         for row in rows:
             self.assertEqual(row["status"], "ok", row)
         return {(row["technique"], row["light"]): row["metrics"]["mesh"]["error"] for row in rows}
@@ -84,9 +84,8 @@ class EngineRaster(ProgramTest):
         settings = {"eevee:samples=1": "eevee:samples=1,bias=100", "godot": "godot:bias=16,sun_bias=16"}
         scene = self.write("card.toml", GROUND + CARD)
         for engine in ENGINES:
-            found = self.errors(scene, "unshadowed", settings[engine])
-            for light in ("point", "spot"):
-                self.assertAlmostEqual(found[settings[engine].split(":")[0], light], found["unshadowed", light], delta=0.01)
+            found = self.errors(scene, "unshadowed", settings[engine], lights=("point",))
+            self.assertAlmostEqual(found[settings[engine].split(":")[0], "point"], found["unshadowed", "point"], delta=0.01)
 
 
 if __name__ == "__main__":
