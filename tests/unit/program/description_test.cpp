@@ -98,8 +98,8 @@ TEST(description, files_of_a_program_are_those_of_the_folders_that_its_command_l
   const ScratchFolder folder = ScratchFolder::temporary("gnomon-description");
   const auto place = [&](const char* file) { return folder.path() / file; };
   for (const char* const inner : {"shared/deeper", "program", "other"}) std::filesystem::create_directories(place(inner));
-  for (const char* const file : {"shared/first.py", "shared/second.py", "shared/deeper/third.py", "program/own.txt", "other/no.py",
-                                 "beside.py", "alone.py"})
+  for (const char* const file : {"shared/first.py", "shared/second.py", "shared/deeper/third.py", "program/own.txt",
+                                 "other/no.py", "beside.py", "alone.py"})
     write_file(place(file), "");
   const auto files_of = [&](const std::string& command) {
     write_file(place("program.toml"), "title = \"T\"\nsummary = \"S.\"\nsource = \"None.\"\nerror = \"E.\"\nfails = \"F.\"\n" +
