@@ -58,7 +58,7 @@ const exposed = (byte, gain) => (gain === 1 ? byte : srgb(Math.min(1, gain * lin
  * The scene under this mask in so many times the light: exact at 0 and 1, mixed in linear light between; `bright` has the light
  * that `lit` cuts off.
  */
-export function shaded(frame, mask, gain) {
+export function shaded(frame, mask, gain = 1) {
   const { lit, dark, bright, white } = frame;
   const full = (k) => (lit[k] < 255 || !bright ? linear[lit[k]] : white * linear[bright[k]]);
   const mixed = (v, k) => srgb(Math.min(1, gain * (v * full(k) + (1 - v) * linear[dark[k]])));
@@ -72,12 +72,12 @@ export function shaded(frame, mask, gain) {
 }
 
 /** A picture of colors in so many times its light. */
-export const colored = (frame, rgb, gain) =>
+export const colored = (frame, rgb, gain = 1) =>
   painted(frame, (i, color) => {
     for (let c = 0; c < 3; ++c) color[c] = exposed(rgb[3 * i + c], gain);
   });
 
-export const maskOnly = (frame, mask, gain) => painted(frame, (i, color) => color.fill(255 * Math.min(1, gain * mask[i])));
+export const maskOnly = (frame, mask, gain = 1) => painted(frame, (i, color) => color.fill(255 * Math.min(1, gain * mask[i])));
 
 /** Visibility in false colors where the surface faces the light, the rest dark. */
 export const inFalseColors = (frame, mask, gain) =>
