@@ -1,16 +1,16 @@
 // The image comparer: two answers under one scene and light, beside each other, in turn, or as their difference.
 
 import { Beside, noChoice } from "./beside.js";
-import { blob, colors, errors, shares } from "./blobs.js";
 import { ComparerAddress } from "./comparer_address.js";
 import * as compose from "./compose.js";
 import { drawContours, inks } from "./contours.js";
-import { data, distinct, groupName } from "./data.js";
+import { data, distinct } from "./data.js";
 import { Divider } from "./divider.js";
-import { chooser, h, list, toggle } from "./dom.js";
+import { canvasOf, chooser, h, list, toggle } from "./dom.js";
 import { suggestedLine } from "./line_pixels.js";
 import { LineTool } from "./line_tool.js";
 import { contourLegend, legendOf, toneLegend } from "./picture_legend.js";
+import { placesOf, readPlace, rowsOf } from "./place_pictures.js";
 import { Profile } from "./profile.js";
 import { readOut } from "./read_out.js";
 import { Tone } from "./tone.js";
@@ -27,21 +27,6 @@ const modes = [
 ];
 const referenceChoice = "reference";
 const flickerPeriod = 650;
-
-function canvasOf(image) {
-  const canvas = h("canvas", { width: image.width, height: image.height });
-  canvas.getContext("2d").putImageData(image, 0, 0);
-  return canvas;
-}
-
-/** The choices of a group: all its lights, and of several each. */
-function placesOf(group) {
-  const lights = data.groups[group].pictures.lights ?? [];
-  return [
-    { value: String(group), text: groupName(group) },
-    ...lights.map((light, k) => ({ value: `${group}:${k}`, text: `${groupName(group)}: ${light.name} alone` })),
-  ];
-}
 
 class Comparer {
   constructor(section, groups) {
@@ -149,18 +134,9 @@ class Comparer {
     return light === undefined ? null : Number(light);
   }
 
-  /** The chosen light's part of the pictures of a group or row. */
-  of(pictures) {
-    return this.light === null ? pictures : pictures.lights[this.light];
-  }
-
-  rows(group = this.group) {
-    return data.rows.filter((row) => row.group === group && row.pictures);
-  }
-
   /** Offers the rows of another scene and light. Keeps the chosen titles where they are available, too, unless `a` is a row. */
   choose(a = null) {
-    const rows = this.rows();
+    const rows = rowsOf(this.group);
     const optionOf = (row) => ({ value: String(row.index), text: row.title });
     const options = [{ value: referenceChoice, text: "reference" }, ...rows.map(optionOf)];
     const kept = ({ select }) => options.find(({ text }) => text === select.selectedOptions[0]?.textContent)?.value;
@@ -238,45 +214,16 @@ class Comparer {
   /** Reads the pictures of the choices; when several loads are under way, the last one is shown. */
   async load() {
     const turn = (this.turn = (this.turn ?? 0) + 1);
-    const { width, height, answer, scene, view } = data.groups[this.group];
-    const pictures = this.of(data.groups[this.group].pictures);
-    const is_soft = pictures.is_fraction ?? answer !== "binary";
-    const given = (number, read) => (number === null ? null : read(number));
-    const truth = async (name, number, error) =>
-      number === null ? null : { name, mask: await shares(number, pictures.bits), error: await given(error, errors) };
+    const further = this.beside.lists.filter(({ value }) => value !== noChoice);
+    const choices = [this.a, this.b, ...further].map(({ value }) => (value === referenceChoice ? null : data.rows[Number(value)]));
     try {
-      const [lit, dark, bright, classes, area, irradiance] = await Promise.all([
-        colors(pictures.lit),
-        colors(pictures.dark),
-        given(pictures.bright, colors),
-        blob(pictures.classes),
-        truth("reference", pictures.reference, pictures.reference_error),
-        truth("reference, share of irradiance", pictures.irradiance, pictures.irradiance_error),
-      ]);
-      const rowOf = (list) => (list.value === referenceChoice ? null : data.rows[Number(list.value)]);
-      // Pictures of all light are those of all lights of a row.
-      const globalOf = async (number) => (number === undefined || this.light !== null ? null : colors(number));
-      const globalReference = this.rows().find((row) => row.pictures.global !== undefined)?.pictures.global_reference;
-      const side = async (row, other) => {
-        const judge = ((row ?? other)?.estimates === "irradiance" && irradiance) || area;
-        const compared = { row, truth: judge, reference: judge.mask, title: row?.title ?? judge.name };
-        if (!row) return { ...compared, mask: judge.mask, causes: null, global: await globalOf(globalReference) };
-        const own = this.of(row.pictures);
-        const reads = [shares(own.mask, pictures.bits), given(own.causes, blob), globalOf(row.pictures.global)];
-        const [mask, causes, global] = await Promise.all(reads);
-        return { ...compared, mask, causes, global };
-      };
-      const [rowA, rowB] = [this.a, this.b].map(rowOf);
-      const further = this.beside.lists.filter(({ value }) => value !== noChoice).map(rowOf);
-      const sides = await Promise.all([side(rowA, rowB), side(rowB, rowA), ...further.map((row) => side(row, rowA))]);
+      const { frame, sides } = await readPlace(this.group, this.light, choices);
       if (turn !== this.turn) return;
-      const is_one_of_several = this.light !== null;
-      const place = [scene, view, width, height].join();
-      this.frame = { width, height, is_soft, is_one_of_several, lit, dark, bright, white: pictures.white, classes, place };
+      this.frame = frame;
       [this.sideA, this.sideB] = sides;
       this.further = sides.slice(2);
       this.problem.hidden = true;
-      this.view.setSize(width, height);
+      this.view.setSize(frame.width, frame.height);
       this.address?.showView(this.view);
       this.compose();
       this.profileLine();

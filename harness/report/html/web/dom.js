@@ -51,6 +51,13 @@ export function toggle(label, onchange, checked = false) {
   return h("label", { class: "toggle" }, input, h("span", {}, label));
 }
 
+/** A canvas that shows this ImageData. */
+export function canvasOf(image) {
+  const canvas = h("canvas", { width: image.width, height: image.height });
+  canvas.getContext("2d").putImageData(image, 0, 0);
+  return canvas;
+}
+
 /** Calls back with the element's width in CSS pixels, at first and whenever it changes. */
 export function onWidth(element, listener) {
   let width = 0;
