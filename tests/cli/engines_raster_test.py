@@ -8,7 +8,8 @@ import unittest
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
-from program import NUMBERS, ProgramTest, records  # noqa: E402
+from engines_browser_test import run_on  # noqa: E402
+from program import ProgramTest  # noqa: E402
 
 GROUND = """
 [[shape]]
@@ -57,12 +58,8 @@ class EngineRaster(ProgramTest):
 
     def errors(self, scene, *techniques, lights=("sun", "point", "spot")):
         """The mean error of each technique under each light; all rows must be there."""
-        out = self.dir / "run"
-        shutil.rmtree(out, ignore_errors=True)
-        names = [word for technique in techniques for word in ("--technique", technique)]
         words = [word for light in lights for word in ("--light", light)]
-        self.succeed("run", "--scene", scene, *words, *names, "--truth", "mesh", *NUMBERS, "--timeout", "300", "--quiet", "--out", out)
-        rows = records(out)
+        rows = run_on(self, scene, *techniques, more=(*words, "--truth", "mesh", "--timeout", "300"))
         self.assertEqual(len(rows), len(lights) * len(techniques))
         for row in rows:
             self.assertEqual(row["status"], "ok", row)
