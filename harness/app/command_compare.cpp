@@ -1,3 +1,4 @@
+#include "analysis/compare_across.h"
 #include "app/app.h"
 #include "app/suite_options.h"
 #include "app/table_options.h"
@@ -9,7 +10,7 @@ namespace gnomon::app {
 namespace {
 
 struct CompareCommand : SuiteOptions {
-  std::string base, contender, format = "terminal";
+  std::string base, contender, across, format = "terminal";
   CompareOptions compare;
   bool all = false, over_all = false, quiet = false;
   TableWidth width;
@@ -35,14 +36,34 @@ void run_both(CompareCommand& options, const Program& program) {
   options.contender = (live.out / "contender").string();
 }
 
+/// The rows of two values of a parameter, of one folder or of two; base and contender become what the comparison calls them.
+void read_across(CompareCommand& options, std::vector<Record>& base, std::vector<Record>& contender) {
+  const TwoValues across = parse_two_values(options.across);
+  base = rows_across(read_records(options.base), across.parameter, across.base);
+  contender = rows_across(read_records(options.contender), across.parameter, across.contender);
+  const auto named = [&](std::string& folder, const std::string& value) {
+    folder = fmt::format("{}, {}={}", folder, across.parameter, value);
+  };
+  named(options.base, across.base);
+  named(options.contender, across.contender);
+}
+
 int run(CompareCommand& options, const Program& program) {
   const Format format = format_named(options.format);
   if (format == Format::latex) throw Error("--format tex is none of a comparison's: terminal, md, csv, json");
-  if (!options.base_program.empty())
-    run_both(options, program);
-  else if (options.base.empty() || options.contender.empty())
-    throw Error("compare needs two folders of runs, BASE and CONTENDER, or --live and a program");
-  const std::vector<Record> base = read_records(options.base), contender = read_records(options.contender);
+  if (!options.base_program.empty() && !options.across.empty())
+    throw Error("--across {} is of runs that are there, and --live makes two", options.across);
+  if (!options.base_program.empty()) run_both(options, program);
+  if (!options.across.empty() && options.contender.empty()) options.contender = options.base;
+  if (options.base.empty() || options.contender.empty())
+    throw Error("compare needs two folders of runs, BASE and CONTENDER, or one and --across, or --live and a program");
+  std::vector<Record> base, contender;
+  if (options.across.empty()) {
+    base = read_records(options.base);
+    contender = read_records(options.contender);
+  } else {
+    read_across(options, base, contender);
+  }
   const Comparison comparison = compare(base, contender, options.compare);
   if (comparison.counts().matched == 0)
     throw Error("{} and {} have no row in common: {} and {} rows of other scenes, settings, sizes or truths", options.base,
@@ -65,6 +86,10 @@ void add_compare(Program& program) {
   CompareOptions& compare = options.compare;
   command.option("base", &options.base, "Folder of the run to compare with");
   command.option("contender", &options.contender, "Folder of the run that is judged");
+  command.option("--across", &options.across,
+                 "PARAMETER=A,B: rows with value A of base against the same rows with value B of contender, of one folder or "
+                 "of two, as version=r170,r187",
+                 {.check = not_empty()});
   command.option("--floor", &compare.floor, "Share that a time must differ by to be called different",
                  {.check = number_in(0, 10)});
   command.option("--fdr", &compare.fdr, "Rate of false discoveries among all times called different",

@@ -44,6 +44,25 @@ class Compare(ProgramTest):
             self.assertNotRegex(text, word)
         self.assertRegex(self.succeed("compare", self.run_dir, self.run_dir, "--all"), "shadow_map")
 
+    def test_two_values_of_a_parameter_are_compared_as_two_runs_are(self):
+        def compared(*words):
+            done = self.gnomon("compare", *words, "--format", "json")
+            self.assertIn(done.returncode, (0, 1), done.stderr)
+            return json.loads(done.stdout)
+        across = compared(self.run_dir, "--across", "resolution=512,1024")
+        kept = {(row["scene"], row["parameters"].get("resolution")): row for row in records(self.run_dir) if row["technique"] == "shadow_map"}
+        self.assertEqual([row["scene"] for row in across["rows"]], ["single_triangle", "contact"])  # those of other techniques are left out
+        for row in across["rows"]:
+            before, after = (kept[row["scene"], texels]["metrics"]["shape"]["error"] for texels in (512, 1024))
+            self.assertNotEqual(before, after)
+            change = next(one for one in row["metrics"] if one["metric"] == "error" and one["truth"] == "shape")
+            self.assertEqual((change["base"], change["contender"]), (before, after))
+        self.assertEqual(len(compared(self.run_dir, self.run_dir, "--across", "resolution=1024,512")["rows"]), 2)
+        for words, says in ((["resolution=512"], "PARAMETER=A,B"), (["resolution=512,512"], "PARAMETER=A,B"),
+                            (["resolutoin=512,1024"], "did you mean resolution"), (["resolution=512,777"], "there are: 1024, 512"),
+                            (["resolution=512,1024", "--live", PROGRAM], "--live makes two")):
+            self.refuse("compare", *([] if "--live" in words else [self.run_dir]), "--across", *words, says=[says])
+
     def test_runs_of_other_rows_are_refused(self):
         def other(row):
             row["job"] = "f" * 8 + row["job"][8:]
