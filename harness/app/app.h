@@ -25,6 +25,7 @@ void add_describe(Program& program);
 void add_check(Program& program);
 void add_render(Program& program);
 void add_run(Program& program);
+void add_edition(Program& program);
 void add_tune(Program& program);
 void add_table(Program& program);
 void add_compare(Program& program);

@@ -3,6 +3,7 @@
 #include <set>
 
 #include "app/app.h"
+#include "app/edition_options.h"
 #include "app/suite_options.h"
 #include "app/table_options.h"
 #include "measure/counted.h"
@@ -25,6 +26,7 @@ namespace fs = std::filesystem;
 
 struct RunCommand : SuiteOptions {
   RunOptions run;
+  EditionOptions edition;
   std::string shard;
   bool dry_run = false, quiet = false;
   TableWidth width;
@@ -107,7 +109,12 @@ bool has_answers(std::span<const Record> records) {
 
 int run(RunCommand& options, const Program& program) {
   RunOptions& run_options = options.run;
-  run_options.suite = make_suite(options, "run");
+  SceneLibrary library;
+  if (options.edition.edition.empty()) {
+    run_options.suite = make_suite(options, "run");
+  } else {
+    std::tie(run_options.suite, run_options.edition) = edition_to_run(options.edition, options, library);
+  }
   run_options.filter = options.filter;
   run_options.command = program.words;
   run_options.worker = worker_options(program, options.threads);
@@ -116,7 +123,6 @@ int run(RunCommand& options, const Program& program) {
     if (run_options.resume) throw Error("--resume needs --out: which folder to continue");
     run_options.out = timed_folder(run_options.suite.name);
   }
-  SceneLibrary library;
   if (run_options.resume) use_recorded_scenes(run_options.out, run_options.suite, library);
   if (options.dry_run) {
     print_rows(run_options, library);
@@ -128,7 +134,10 @@ int run(RunCommand& options, const Program& program) {
   }();
   const std::vector<Record> records = read_records(run_options.out);
   if (records.empty()) {
-    fmt::print("shard {}/{} has no rows\n", run_options.shard_index, run_options.shard_count);
+    if (summary.left_out.empty())
+      fmt::print("shard {}/{} has no rows\n", run_options.shard_index, run_options.shard_count);
+    else
+      fmt::print("no rows: they support nothing of any group: {}\n", joined(summary.left_out, "; "));
     return 0;
   }
   write_tables(run_options.out, records);
@@ -162,6 +171,7 @@ void print_conflicts(const Merge& merge) {
 
 int merge(const MergeOptions& options) {
   require_free(options.out);
+  require_one_edition(options.dirs);
   std::vector<std::pair<fs::path, std::vector<Record>>> runs;
   for (const fs::path& dir : options.dirs) runs.emplace_back(dir, read_records(dir));
   const Merge merged = merge_records(runs, options.prefer_last);
@@ -222,6 +232,7 @@ void add_run(Program& program) {
       program.line.command<RunCommand>("run", "A suite, or any scenes and techniques: costs, errors, tables",
                                        [&program](RunCommand& read) { return run(read, program); });
   command.option("suite", &options.suite, "Suite name, or a .toml file");
+  add_edition_options(command, options.edition);
   add_suite_options(command, options);
   command.option("--out", &options.run.out, "Folder to write to; runs/NAME-TIME by default", {.check = not_empty()});
   command.option("--truth", &options.truth, "What counts in the headline: shape | mesh", {.check = not_empty()});

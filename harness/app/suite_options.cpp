@@ -91,6 +91,13 @@ void put_motion(Suite& suite, const SuiteOptions& options) {
 
 }  // namespace
 
+void put_pictures_and_timeout(Suite& suite, const SuiteOptions& options) {
+  if (!options.pictures.empty())
+    suite.pictures =
+        static_cast<Suite::Pictures>(std::ranges::find(picture_words, options.pictures) - std::begin(picture_words));
+  if (options.timeout) suite.timeout = *options.timeout;
+}
+
 Suite make_suite(const SuiteOptions& options, const std::string& command) {
   Suite suite = chosen_suite(options, command);
   for (SuiteGroup& group : suite.groups) {
@@ -108,13 +115,10 @@ Suite make_suite(const SuiteOptions& options, const std::string& command) {
   if (!options.truth_over.empty())
     suite.truth_over =
         static_cast<TruthOver>(std::ranges::find(truth_over_names, options.truth_over) - std::begin(truth_over_names));
-  if (!options.pictures.empty())
-    suite.pictures =
-        static_cast<Suite::Pictures>(std::ranges::find(picture_words, options.pictures) - std::begin(picture_words));
+  put_pictures_and_timeout(suite, options);
   if (options.repetitions) suite.repetitions = options.repetitions;
   if (options.warmups) suite.warmups = options.warmups;
   if (options.processes) suite.processes = options.processes;
-  if (options.timeout) suite.timeout = *options.timeout;
   if (options.interval) suite.interval = *options.interval;
   if (options.budget) suite.budget = *options.budget;
   if (options.budget && suite.interval == 0)

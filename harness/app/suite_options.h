@@ -27,4 +27,7 @@ void add_suite_options(Command& command, SuiteOptions& options, const std::strin
 /// when they name neither a suite nor scenes and techniques.
 Suite make_suite(const SuiteOptions& options, const std::string& command);
 
+/// What rows leave and how long their steps may take, which changes no number of a row.
+void put_pictures_and_timeout(Suite& suite, const SuiteOptions& options);
+
 }  // namespace gnomon::app

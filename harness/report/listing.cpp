@@ -71,7 +71,11 @@ std::string list_text(std::span<const MetricInfo> metrics, std::size_t width) {
 Json list_json(std::span<const MetricInfo> metrics) {
   Json list = Json::array();
   for (const MetricInfo& metric : metrics)
-    list.push_back({{"name", metric.name}, {"unit", metric.unit}, {"better", metric.better}, {"sentence", metric.sentence}});
+    list.push_back({{"name", metric.name},
+                    {"unit", metric.unit},
+                    {"better", metric.better},
+                    {"version", metric.version},
+                    {"sentence", metric.sentence}});
   return list;
 }
 

@@ -203,6 +203,17 @@ SuiteJobs expand_jobs(const Suite& suite, SceneLibrary& library, const WorkerOpt
   return result;
 }
 
+Json parameters_of(const Contender& contender) {
+  const auto technique = registry().technique(contender.technique).make();
+  technique->apply(contender.settings);
+  Json parameters = json_object();
+  for (const Parameter* row : technique->parameters()) {
+    const Json number = parse_if_json(row->text());
+    parameters[std::string(row->name())] = number.is_number() ? number : Json(row->text());
+  }
+  return parameters;
+}
+
 Record start_record(const Job& job, const Suite& suite, const Scene* scene, const Json& context) {
   Record record;
   record.job = job.hash;
@@ -217,12 +228,7 @@ Record start_record(const Job& job, const Suite& suite, const Scene* scene, cons
   record.role = entry.about.role;
   for (const OwnCause& cause : entry.about.causes)
     record.own_causes.push_back({std::string(cause.id), std::string(cause.sentence), cause.color});
-  const auto technique = entry.make();
-  technique->apply(job.contender.settings);
-  for (const Parameter* row : technique->parameters()) {
-    const Json number = parse_if_json(row->text());
-    record.parameters[std::string(row->name())] = number.is_number() ? number : Json(row->text());
-  }
+  record.parameters = parameters_of(job.contender);
   record.width = job.width;
   record.height = job.height;
   record.path = job.path;

@@ -60,6 +60,8 @@ Job with_contender(Job job, Contender contender, const Suite& suite);
 
 /// The first frame of the job's row. The scene is at rest, or the job's geometry moves: slides are made for a scene at rest.
 RowFrame first_frame(const Job& job, const Scene& scene);
+/// Every parameter of a contender with its value, number or text, as records have them.
+Json parameters_of(const Contender& contender);
 /// The job's record with all facts from before the run. `scene` is null where it is not fetched.
 Record start_record(const Job& job, const Suite& suite, const Scene* scene, const Json& context);
 

@@ -5,6 +5,7 @@
 #include "measure/program/plugin_facts.h"
 #include "measure/record/scene_place.h"
 #include "measure/run/run.h"
+#include "measure/run/run_file.h"
 #include "measure/scene/load.h"
 #include "measure/scene/time_reference.h"
 #include "measure/worker/build.h"
@@ -98,6 +99,7 @@ void use_recorded_scenes(const fs::path& out, Suite& suite, SceneLibrary& librar
 
 Earlier earlier_rows(const RunOptions& options, SceneLibrary& library, std::span<const Job> suite, std::span<const Job> jobs) {
   Earlier earlier;
+  require_edition_of_folder(options.out, options.edition);
   if (!fs::exists(records_file(options.out))) return earlier;
   std::size_t foreign_count = 0;
   std::map<std::string, std::size_t> places;

@@ -3,8 +3,16 @@
 
 namespace gnomon {
 
+/// The edition whose rows a run has, as run.json says it.
+struct RunEdition {
+  std::string name, hash;
+  std::string division;  ///< see Division in measure/edition/edition.h
+  bool operator==(const RunEdition&) const = default;
+};
+
 struct RunOptions {
   Suite suite;
+  std::optional<RunEdition> edition;  ///< nothing: of none
   std::filesystem::path out;
   std::string filter;  ///< regular expression over "SCENE LIGHT [VIEW] [PATH] TECHNIQUE:SETTINGS"; empty: all
   bool resume = false;
@@ -46,8 +54,8 @@ void use_recorded_scenes(const std::filesystem::path& out, Suite& suite, SceneLi
 ///   - of `jobs`, with a plugin that was built anew;
 ///   - with `rebuilt`, measured by other code: of all techniques, or of its own.
 /// Rows that one table cannot have with new ones are an Error: of a scene that has changed since, of other code, of a plugin as
-/// it was when they are not in `jobs`, of another suite, and of the same one with other processes, repetitions or truth. So is
-/// a folder without any row of the suite. Where it has some, a note counts the rest.
+/// it was when they are not in `jobs`, of another suite, of another edition or division, and of the same suite with other
+/// processes, repetitions or truth. So is a folder without any row of the suite. Where it has some, a note counts the rest.
 Earlier earlier_rows(const RunOptions& options, SceneLibrary& library, std::span<const Job> suite, std::span<const Job> jobs);
 
 /// The folder of a run while rows are added to it, all at once or in rounds. It belongs to one run at a time.

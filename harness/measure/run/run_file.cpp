@@ -51,6 +51,8 @@ void add_to_run_file(const RunOptions& options, const Json& context, SceneLibrar
                           {"scenes", Json::array()},
                           {"context", context},
                           {"changes", nullptr}});
+  if (const std::optional<RunEdition>& edition = options.edition)
+    run["edition"] = json_object({{"name", edition->name}, {"hash", edition->hash}, {"division", edition->division}});
   const Json own = build_context();  // another program's changes are not known
   if (context.value("build", Json()) == own["build"] && context.value("commit", Json()) == own["commit"])
     run["changes"] = tree_changes();
@@ -62,6 +64,57 @@ void add_to_run_file(const RunOptions& options, const Json& context, SceneLibrar
   }
   runs.push_back(std::move(run));
   write_runs(options.out, std::move(runs));
+}
+
+std::optional<RunEdition> edition_of(const Json& entry, const fs::path& folder) {
+  const auto found = entry.is_object() ? entry.find("edition") : entry.end();
+  if (found == entry.end()) return std::nullopt;
+  const auto word = [&](const char* key) {
+    const auto value = found->is_object() ? found->find(key) : found->end();
+    if (!found->is_object() || value == found->end() || !value->is_string())
+      throw Error("{} names an edition without a text `{}`", run_file(folder).string(), key);
+    return value->get<std::string>();
+  };
+  return RunEdition{word("name"), word("hash"), word("division")};
+}
+
+namespace {
+
+std::string in_words(const std::optional<RunEdition>& edition) {
+  return edition ? fmt::format("edition {} ({}), division {}", edition->name, edition->hash, edition->division) : "no edition";
+}
+
+/// The editions of a folder's runs, each once; none where it has no run.json.
+std::vector<std::optional<RunEdition>> editions_in(const fs::path& folder) {
+  std::vector<std::optional<RunEdition>> editions;
+  for (const Json& entry : run_entries(folder))
+    if (auto edition = edition_of(entry, folder); std::ranges::find(editions, edition) == editions.end())
+      editions.push_back(std::move(edition));
+  return editions;
+}
+
+}  // namespace
+
+void require_edition_of_folder(const fs::path& folder, const std::optional<RunEdition>& edition) {
+  for (const auto& there : editions_in(folder))
+    if (there != edition)
+      throw Error("{} holds rows of {}, and this run is of {}: name another --out", folder.string(), in_words(there),
+                  in_words(edition));
+}
+
+void require_one_edition(std::span<const fs::path> folders) {
+  const fs::path* first = nullptr;
+  std::optional<RunEdition> edition;
+  for (const fs::path& folder : folders) {
+    std::vector<std::optional<RunEdition>> there = editions_in(folder);
+    if (there.empty()) there.emplace_back();
+    if (!first) edition = there.front();
+    if (!first) first = &folder;
+    for (const auto& other : there)
+      if (other != edition)
+        throw Error("{} holds rows of {}, and {} of {}: rows of different editions or divisions are not merged",
+                    first->string(), in_words(edition), folder.string(), in_words(other));
+  }
 }
 
 void join_run_files(std::span<const fs::path> folders, const fs::path& out) {

@@ -174,7 +174,9 @@ Suite read_suite(const std::string& name_or_path) {
   const toml::table table = read_toml("suite " + path.string(), path);
   const Table top(table, path, "suite",
                   {"title", "width", "height", "truth", "truth_over", "processes", "repetitions", "warmups", "timeout",
-                   "interval", "budget", "reference_error", "reference_rays", "group"});
+                   "interval", "budget", "reference_error", "reference_rays", "group"},
+                  table.contains(edition_tables.front()) ? std::vector(edition_tables.begin(), edition_tables.end())
+                                                         : std::vector<std::string_view>());
   Suite suite;
   suite.name = path.stem();
   suite.text = file_text(path);

@@ -2,6 +2,7 @@
 #include <gnomon/kit/area/area_rays.h>
 #include <gnomon/scene.h>
 
+#include <array>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -87,6 +88,9 @@ struct Suite {
 
 /// What SuiteGroup::global_samples may be, where it is not 0.
 inline constexpr int least_global_samples = 16, most_global_samples = 16384;
+
+/// Tables that the file of an edition has beside those of a suite. One with the first of them is read as a suite without them.
+inline constexpr std::array<std::string_view, 4> edition_tables{"edition", "metrics", "scenes", "techniques"};
 
 /// Suite by name (bench/suites/NAME.toml) or by path ending in .toml. Throws Error with file and line.
 Suite read_suite(const std::string& name_or_path);

@@ -153,6 +153,8 @@ struct MetricInfo {
   std::string_view sentence;
   std::optional<double> (*value)(const Scoring&);  ///< null where a frame has none
   Of of = Of::frame;
+  /// One more whenever the metric has another value for the same masks: editions name the version that they have.
+  int version = 1;
 };
 std::span<const MetricInfo> metric_infos();
 /// Of the metric of that name; of a name that is none, `frame`.
