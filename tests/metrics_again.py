@@ -108,6 +108,21 @@ def displacement(e):
     return dict(zip(("displacement_mean", "displacement_p95"), values))
 
 
+def meters_between(e):
+    """The same distances in the scene: from each point of either dark side to the nearest one of the other, without pixels that cover nothing."""
+    names = ("displacement_mean_m", "displacement_p95_m")
+    covers = pixel_areas(e) > 0
+    sides = [boundary(e, v)[0] for v in (e.mask, e.reference)]
+    if not any(side.any() for side in sides):
+        return dict.fromkeys(names, 0)
+    ours, theirs = (e.position[side & covers].astype(float) for side in sides)
+    if not (ours.size and theirs.size):
+        return dict.fromkeys(names, math.nan)
+    squares = ((ours[:, None] - theirs[None]) ** 2).sum(axis=-1)
+    both = np.sqrt(np.concatenate([squares.min(axis=1), squares.min(axis=0)]))
+    return dict(zip(names, (mean(both), float(np.percentile(both, 95)))))
+
+
 def binned_rates(e):
     """Wrong rate of the pixels of T in each bin: a bin holds what is above the end of the one before it, up to its own."""
     wrong = is_wrong(e)
@@ -174,6 +189,11 @@ def shadow_area_ratio(e):
     """Sum over T of area (1 - V), technique to reference."""
     area = pixel_areas(e)[e.tested]
     return {"shadow_area_ratio": share((area * (1 - e.mask[e.tested])).sum(), (area * (1 - e.reference[e.tested])).sum())}
+
+
+def wrong_area(e):
+    """Sum of the areas of the pixels of T that are wrong."""
+    return {"wrong_area_m2": float(pixel_areas(e)[e.tested & is_wrong(e)].sum()) if e.tested.any() else math.nan}
 
 
 def instability(before, now):
@@ -311,7 +331,8 @@ def penumbra_floors(e):
 def measure(e, surfaces=None):
     """Every metric that a mask alone decides, by name; behind glass a mask and the number of surfaces on the way of each pixel."""
     of_light = shadow_area_ratio(e) | received_errors(e) | transmittance_errors(e, surfaces)
-    return error_rates(e) | displacement(e) | binned_rates(e) | of_light | penumbra_metrics(e) | penumbra_floors(e) | likeness(e)
+    in_scene = meters_between(e) | wrong_area(e)
+    return error_rates(e) | displacement(e) | in_scene | binned_rates(e) | of_light | penumbra_metrics(e) | penumbra_floors(e) | likeness(e)
 
 
 def measure_row(found, channels):

@@ -78,9 +78,11 @@ struct Softness {
   std::optional<double> umbra_ratio, penumbra_ratio, width_ratio, shift, noise, hardening;
 };
 
-/// Distances in pixels between the shadow boundaries of technique and reference, both ways; none when one side has none.
+/// Distances between the shadow boundaries of technique and reference, both ways; none when one side has none.
 struct Displacement {
-  std::optional<double> mean, p95;
+  std::optional<double> mean = {}, p95 = {};  ///< pixels
+  /// Meters in the scene; none without a G-buffer, and where one side has only pixels that cover nothing (see pixel_area).
+  std::optional<double> mean_m = {}, p95_m = {};
 };
 
 /// What is wrong with the light that pixels of T receive, as irradiance.
@@ -184,5 +186,7 @@ double pixel_area(const Camera& camera, const GBuffer& gbuffer, std::size_t i);
 
 /// Square meters of surface in cast shadow: the area of every pixel of T times 1 - its visibility.
 double shadow_area(const GBuffer& gbuffer, std::span<const PixelClass> classes, std::span<const float> mask);
+/// Square meters of surface that the wrong pixels of T cover. The evidence has a G-buffer.
+double wrong_area(const Evidence& evidence);
 
 }  // namespace gnomon

@@ -1,4 +1,4 @@
-// How much surface lies in shadow: pixels weighted by the area that they cover in the scene.
+// How much surface lies in shadow, and how much is wrong: pixels weighted by the area that they cover in the scene.
 #include <gnomon/kit/geometry/camera.h>
 #include <gnomon/kit/parallel.h>
 
@@ -7,6 +7,24 @@
 #include "measure/score/metrics.h"
 
 namespace gnomon {
+
+namespace {
+
+/// Sum over the pixels of the area that each covers times weight(i).
+template <class Weight>
+double area_of(const GBuffer& gbuffer, const Weight& weight) {
+  const Camera camera(gbuffer.view, gbuffer.width, gbuffer.height);
+  const auto width = static_cast<std::size_t>(gbuffer.width), height = static_cast<std::size_t>(gbuffer.height);
+  std::vector<double> rows(height, 0.0);  // added up in order: the same on any number of threads
+  for_blocks(height, 16, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t y = begin; y < end; ++y)
+      for (std::size_t i = y * width; i < (y + 1) * width; ++i)
+        if (const double w = weight(i); w > 0) rows[y] += pixel_area(camera, gbuffer, i) * w;
+  });
+  return std::accumulate(rows.begin(), rows.end(), 0.0);
+}
+
+}  // namespace
 
 double pixel_area(const Camera& camera, const GBuffer& gbuffer, std::size_t i) {
   // The ray through image point (u, v), in units of the image plane at distance 1, is r = forward + u right + v up. It meets
@@ -29,16 +47,11 @@ double pixel_area(const Camera& camera, const GBuffer& gbuffer, std::size_t i) {
 }
 
 double shadow_area(const GBuffer& gbuffer, std::span<const PixelClass> classes, std::span<const float> mask) {
-  const Camera camera(gbuffer.view, gbuffer.width, gbuffer.height);
-  const auto width = static_cast<std::size_t>(gbuffer.width), height = static_cast<std::size_t>(gbuffer.height);
-  std::vector<double> rows(height, 0.0);  // added up in order: the same on any number of threads
-  for_blocks(height, 16, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t y = begin; y < end; ++y)
-      for (std::size_t i = y * width; i < (y + 1) * width; ++i)
-        if (classes[i] == PixelClass::T && mask[i] < 1)
-          rows[y] += pixel_area(camera, gbuffer, i) * (1 - static_cast<double>(mask[i]));
-  });
-  return std::accumulate(rows.begin(), rows.end(), 0.0);
+  return area_of(gbuffer, [&](std::size_t i) { return classes[i] == PixelClass::T ? 1 - static_cast<double>(mask[i]) : 0.0; });
+}
+
+double wrong_area(const Evidence& e) {
+  return area_of(*e.gbuffer, [&](std::size_t i) { return e.classes[i] == PixelClass::T && e.is_wrong(i) ? 1.0 : 0.0; });
 }
 
 }  // namespace gnomon

@@ -46,6 +46,11 @@ std::optional<double> shadow_area_ratio(const Scoring& scoring) {
   return share(shadow_area(*e.gbuffer, e.classes, e.mask), shadow_area(*e.gbuffer, e.classes, e.reference));
 }
 
+std::optional<double> wrong_area_of(const Scoring& scoring) {
+  const Evidence& e = scoring.evidence();
+  return e.gbuffer && scoring.error_counts().tested > 0 ? std::optional(wrong_area(e)) : std::nullopt;
+}
+
 /// What the reference's own noise adds is taken off, which leaves less than nothing where that is all there is.
 std::optional<double> radiosity_error(const Scoring& scoring) {
   const Evidence& e = scoring.evidence();
@@ -164,6 +169,16 @@ constexpr MetricInfo metric_rows[] = {
      [](const Scoring& s) { return s.displacement().mean; }},
     {"displacement_p95", "px", "lower", "95th percentile of the same distances.",
      [](const Scoring& s) { return s.displacement().p95; }},
+    {"displacement_mean_m", "m", "lower",
+     "Mean distance in the scene between the points of the same boundaries, each to the nearest of the other, both ways. Pixels "
+     "that cover nothing (wrong_area_m2) are left out.",
+     [](const Scoring& s) { return s.displacement().mean_m; }},
+    {"displacement_p95_m", "m", "lower", "95th percentile of the same distances.",
+     [](const Scoring& s) { return s.displacement().p95_m; }},
+    {"wrong_area_m2", "m2", "lower",
+     "Area of surface that the wrong pixels of T cover. A pixel covers what its corner rays cut out of the plane of its point; "
+     "nothing where the distance along them more than triples across it.",
+     wrong_area_of},
     {"tested_share", "", "higher", "Share of the pixels facing the light that is tested (T).",
      [](const Scoring& s) { return share(s.error_counts().tested, s.error_counts().facing); }},
     {"snapping_floor", "", "",
