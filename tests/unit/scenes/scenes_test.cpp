@@ -138,7 +138,7 @@ TEST(Scenes, same_settings_make_the_same_scene) {
 }
 
 TEST(Scenes, another_seed_makes_another_scene) {
-  for (const char* id : {"box_city", "hair_cards", "leaf_cards", "smoke_cards", "soup", "sphere_field", "swarm"})
+  for (const char* id : {"box_city", "hair_cards", "leaf_cards", "smoke_cards", "soup", "sphere_field", "swarm", "town"})
     EXPECT_NE(make(id, "seed=1").meshes.back().positions, make(id, "seed=2").meshes.back().positions) << id;
 }
 
@@ -163,6 +163,33 @@ TEST(Scenes, box_city_boxes_stand_on_the_ground_and_keep_apart) {
     }
   }
   EXPECT_EQ(shapes<Box>(make("box_city", "count=137")).size(), 137u);
+}
+
+TEST(Scenes, town_has_the_sun_of_the_hour_over_houses_that_keep_to_their_plots) {
+  const auto sunlight = [](const std::string& settings) {
+    return std::get<DirectionalLight>(make("town", settings).lights.back().kind).direction;
+  };
+  // 48 degrees north at an equinox: at noon 90 - 48 degrees high and due south, from where light travels to -z. At 7 the sine
+  // of the height is cos 48 cos 75, and the sun is in the east, so that light travels to -x.
+  const glm::dvec3 noon = sunlight("hour=12"), morning = sunlight("hour=7"), evening = sunlight("hour=17");
+  EXPECT_NEAR(std::asin(-noon.y) * 180 / std::acos(-1.0), 42, 1e-4);
+  EXPECT_NEAR(noon.x, 0, 1e-6);
+  EXPECT_LT(noon.z, 0);
+  EXPECT_NEAR(morning.y, -0.66913061 * 0.25881905, 1e-6);
+  EXPECT_LT(morning.x, 0);
+  EXPECT_NEAR(evening.x, -morning.x, 1e-6);
+  EXPECT_NEAR(evening.y, morning.y, 1e-6);
+  const std::vector<Box> houses = shapes<Box>(make("town"));
+  EXPECT_GT(houses.size(), 75u);
+  for (const Box& house : houses) {
+    EXPECT_EQ(house.min.y, 0);
+    // Plots begin 7 m behind multiples of 44 m from -220 on, and are 30 m wide.
+    for (const int axis : {0, 2}) {
+      const double from = house.min[axis] + 220, plot = std::floor(from / 44);
+      EXPECT_GE(from - 44 * plot, 7 - 1e-4);
+      EXPECT_LE(house.max[axis] + 220 - 44 * plot, 37 + 1e-4);
+    }
+  }
 }
 
 TEST(Scenes, sphere_field_spheres_keep_apart_and_above_the_ground) {
