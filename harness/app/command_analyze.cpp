@@ -25,6 +25,7 @@ const std::map<std::string, std::vector<std::string>> taken_options{
     {"motion", {"--error"}},
     {"sweep", {"--x", "--error"}},
     {"seams", {}},
+    {"masks", {}},
     {"parameters", {"--error"}},
     {"stages", {"--cost"}},
     {"causes", {}},
@@ -166,6 +167,9 @@ void print_analysis(AnalyzeOptions& options, const Command& command) {
   const std::string kind = take_kind(options, command, "analyze", analysis_kinds());
   options.table.width = options.width.columns();
   options.table.paper = paper_named(options.paper);
+  if (kind == "masks" && options.words.size() > 1)
+    throw Error("masks are compared within one run, and {} are given", joined(options.words, ", "));
+  options.analysis.folder = options.words.front();
   const std::vector<Record> records = read_runs(options);
   set_metric(options.analysis, command, records);
   name_quantities(options.analysis, records);
@@ -196,10 +200,10 @@ void make_figure(PictureOptions& options, const Command& command) {
 void add_analyze(Program& program) {
   auto [command, options] = program.line.command<AnalyzeOptions>(
       "analyze",
-      "What a run says of growth, fronts, budgets, pairs, parameters, motion and seams: DIR... "
-      "growth|forecast|front|best|enough|rank|map|motion|sweep|seams",
+      "What a run says of growth, fronts, budgets, pairs, parameters, motion, seams and masks: DIR... "
+      "growth|forecast|front|best|enough|rank|map|motion|sweep|seams|masks",
       print_analysis);
-  add_shared_options(command, "growth, forecast, front, best, enough, rank, map, motion, sweep or seams", options);
+  add_shared_options(command, "growth, forecast, front, best, enough, rank, map, motion, sweep, seams or masks", options);
   command.option("--format", &options.format, "terminal, md, csv, tex or json");
   command.option("--times", &options.analysis.times, "best: budgets in ms", {.check = above_zero(), .delimiter = ','});
   command.option("--memories", &options.analysis.memories, "best: budgets in MiB", {.check = above_zero(), .delimiter = ','});

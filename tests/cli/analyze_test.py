@@ -9,7 +9,7 @@ import unittest
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
-from program import NUMBERS, ROOT, ProgramTest  # noqa: E402
+from program import HARD, NUMBERS, ROOT, SMALL, ProgramTest, records  # noqa: E402
 
 SHIPPED = ROOT / "results/quick"
 
@@ -133,6 +133,28 @@ class Analyze(ProgramTest):
         self.assertIn("error in % by distance in px to the nearest seam", self.succeed("analyze", run, "seams"))
         self.refuse("analyze", run, "seams", "--error", "wrong_rate", says=["--error is for", "seams does not take it"])
         self.refuse("analyze", run, "seams", "--filter", "svbsp", says=["no row of these records has seams", "virtual_map"])
+
+    def test_masks_are_compared_with_the_first_of_their_place(self):
+        self.succeed("run", "--scene", "fence", *HARD, "--technique", "embree_rays", "--technique", "unshadowed", *SMALL, "--out", "run")
+        rows = self.rows("run", "masks")
+        self.assertEqual([(row["light"], row["base"], row["setting"]) for row in rows],
+                         [(light, "embree_rays", "unshadowed") for light in ("point", "sun")])
+        # The first mask is the reference and the other one is lit everywhere: they differ by 1 where the latter is wrong.
+        errors = {row["light"]: row["metrics"]["shape"]["error"] for row in records(self.dir / "run") if row["technique"] == "unshadowed"}
+        for row in rows:
+            error = errors[row["light"]]
+            self.assertGreater(error, 0.01)
+            for column, value in (("changed_share", error), ("difference_mean", error), ("difference_rms", error**0.5), ("difference_max", 1)):
+                self.assertAlmostEqual(float(row[column]), value, places=6)
+        self.refuse("analyze", "run", "masks", "--filter", "unshadowed", says=["no two rows of one place have masks"])
+        self.refuse("analyze", "run", "masks", "--error", "wrong_rate", says=["masks does not take it"])
+        self.refuse("analyze", "run", "run", "masks", says=["masks are compared within one run, and run, run are given"])
+        next((self.dir / "run/masks").glob("*sun*unshadowed*")).unlink()
+        self.refuse("analyze", "run", "masks", says=["the mask", "fence sun unshadowed", "is not there"])
+
+    def test_rows_without_a_mask_are_counted_where_masks_are_compared(self):
+        self.succeed("run", "--scene", "fence", "--light", "sun", "--technique", "embree_rays", "--technique", "unshadowed", *NUMBERS, "--out", "run")
+        self.refuse("analyze", "run", "masks", says=["no two rows of one place have masks", "2 rows left out: no mask was kept"])
 
     def test_numbers_are_numbers(self):
         run = self.run_of(record(), record("other", cost=2))
@@ -309,7 +331,7 @@ class Analyze(ProgramTest):
         self.refuse("analyze", run, "motion", says=["no row of these records follows a path"])
         self.refuse("analyze", run, "front", "--filter", "no such row", says=["holds no record that matches no such row"])
         self.refuse("analyze", run, "front", "--filter", "(", says=["--filter ( is not a regular expression"])
-        self.refuse("analyze", "front", says=["a run's folder and a kind", "growth, forecast, front, best, enough, rank, map, motion, sweep, seams"])
+        self.refuse("analyze", "front", says=["a run's folder and a kind", "growth, forecast, front, best, enough, rank, map, motion, sweep, seams, masks"])
         self.refuse("analyze", "nowhere", "front", says=["nowhere"])
 
     def test_the_shipped_run_has_a_front_over_all_its_scenes(self):

@@ -1,36 +1,15 @@
 #include "measure/row/rescore.h"
 
-#include "measure/paths.h"
 #include "measure/record/scene_place.h"
+#include "measure/row/current_scene.h"
 #include "measure/row/kept_row.h"
 #include "measure/row/score_row.h"
-#include "measure/scene/load.h"
-#include "measure/scene/names.h"
-#include "measure/worker/worker_frame_maker.h"
 
 namespace gnomon {
 
 namespace fs = std::filesystem;
 
 namespace {
-
-/// A scene of today, or why there is none.
-struct CurrentScene {
-  std::optional<Scene> scene;
-  std::unique_ptr<FrameStore> frames;
-  std::string missing;
-
-  CurrentScene(const std::string& reference, const std::string& place, Progress& progress) {
-    try {
-      scene = load_scene(place);
-      frames = std::make_unique<FrameStore>(*scene, cache_root() / "frames",
-                                            std::make_unique<WorkerFrameMaker>(fs::path(), "", shown_on(progress, reference)));
-    } catch (const Error& problem) {
-      // A scene that is not fetched, or whose file moved since, costs its own rows only.
-      missing = problem.what();
-    }
-  }
-};
 
 std::string full_title(const Record& record) { return fmt::format("{} ({})", title(record), record.job); }
 
@@ -45,23 +24,7 @@ class Row {
   }
 
   /// Why the row keeps what it has; empty when it can be measured anew.
-  std::string obstacle() {
-    if (!current_.scene) return current_.missing;
-    const std::vector<std::string> names = light_names(record_);
-    for (const std::string& name : names)
-      if (!find_named(current_.scene->lights, name)) return fmt::format("the scene has no light {} any more", name);
-    const std::string hash = context_text(record_, "scene_hash");
-    if (hash.empty()) return "its record does not say which scene was measured";
-    if (hash != current_.frames->scene_hash(names)) return "the scene is not the one that was measured";
-    const View* const view = find_named(current_.scene->views, record_.view);
-    if (!view) return fmt::format("the scene has no view {} any more", record_.view);
-    for (const std::string& name : names) {
-      const Light& light = *find_named(current_.scene->lights, name);
-      if (const Support support = reference_support(current_.frames->scene(light), light, *view); !support)
-        return support.why();
-    }
-    return {};
-  }
+  std::string obstacle() { return current_.obstacle(record_); }
 
   /// Returns why the row lost its causes; empty when it did not.
   std::string measure() {

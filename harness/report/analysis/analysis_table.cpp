@@ -10,11 +10,11 @@ struct Kind {
   std::string_view name;
   analysis::Tables (*tables)(std::span<const Record>, const AnalysisOptions&, Format);
 };
-constexpr Kind kinds[] = {{"growth", analysis::growth_tables}, {"forecast", analysis::forecast_tables},
-                          {"front", analysis::front_tables},   {"best", analysis::best_tables},
-                          {"enough", analysis::enough_tables}, {"rank", analysis::rank_tables},
-                          {"map", analysis::map_tables},       {"motion", analysis::motion_tables},
-                          {"sweep", analysis::sweep_tables},   {"seams", analysis::seams_tables}};
+constexpr Kind kinds[] = {
+    {"growth", analysis::growth_tables}, {"forecast", analysis::forecast_tables}, {"front", analysis::front_tables},
+    {"best", analysis::best_tables},     {"enough", analysis::enough_tables},     {"rank", analysis::rank_tables},
+    {"map", analysis::map_tables},       {"motion", analysis::motion_tables},     {"sweep", analysis::sweep_tables},
+    {"seams", analysis::seams_tables},   {"masks", analysis::masks_tables}};
 
 }  // namespace
 

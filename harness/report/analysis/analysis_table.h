@@ -21,8 +21,9 @@ struct AnalysisOptions {
   /// Budgets of `best`, and of `enough` those of error, in the units that tables show: ms, MiB, and % or the metric's unit. All
   /// empty: round numbers.
   std::vector<double> times = {}, memories = {}, errors = {};
-  bool all = false;       ///< people too see rows that are beaten
-  bool over_all = false;  ///< front, best, enough: only what is over all places
+  bool all = false;         ///< people too see rows that are beaten
+  std::string folder = {};  ///< masks: the run's, whose masks are read
+  bool over_all = false;    ///< front, best, enough: only what is over all places
 };
 
 /// The kinds of analysis, for messages.

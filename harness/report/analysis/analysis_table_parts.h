@@ -61,6 +61,7 @@ Tables motion_tables(std::span<const Record> records, const AnalysisOptions& opt
 Tables sweep_tables(std::span<const Record> records, const AnalysisOptions& options, Format format);
 Tables forecast_tables(std::span<const Record> records, const AnalysisOptions& options, Format format);
 Tables enough_tables(std::span<const Record> records, const AnalysisOptions& options, Format format);
+Tables masks_tables(std::span<const Record> records, const AnalysisOptions& options, Format format);
 Tables seams_tables(std::span<const Record> records, const AnalysisOptions& options, Format format);
 
 }  // namespace gnomon::analysis
