@@ -6,7 +6,6 @@
 // loop stores 16 constants into each packet before it traces it: 64 of 768 bytes, charged to it. It leaves its answers in tfar;
 // resolve fills its packets from the G-buffer, traces the same rays and writes the mask, all on the clock.
 #include <benchmark/benchmark.h>
-#include <embree3/rtcore.h>
 #include <gnomon/kit/rays/rays.h>
 #include <tbb/blocked_range.h>
 #include <tbb/global_control.h>
@@ -17,6 +16,7 @@
 
 #include "bench/micro/alternate.h"
 #include "bench/micro/scenes.h"
+#include "kit/rays/embree.h"
 
 namespace {
 using namespace gnomon;
@@ -32,7 +32,7 @@ struct Question {
 
 /// Embree's context and the packet's question, for the filter.
 struct Context {
-  RTCIntersectContext embree;
+  embree::Context embree;
   const Question* question;
 };
 
@@ -73,14 +73,11 @@ struct Rig {
   void trace_bare() {
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, questions.size(), 16), [&](const auto& range) {
       Context context;
-      rtcInitIntersectContext(&context.embree);
-      context.embree.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
-      context.embree.filter = exclude_receiver;
       for (std::size_t i = range.begin(); i < range.end(); ++i) {
         context.question = &questions[i];
         questions[i].packet.tfar.fill(1.0f);
-        rtcOccluded16(questions[i].valid.data(), casters.handle(), &context.embree,
-                      reinterpret_cast<RTCRay16*>(&questions[i].packet));
+        embree::occlude(questions[i].valid.data(), casters.handle(), reinterpret_cast<RTCRay16*>(&questions[i].packet),
+                        context.embree, exclude_receiver);
       }
     });
   }

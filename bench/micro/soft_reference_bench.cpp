@@ -5,7 +5,6 @@
 // The contender draws places, sorts them, makes packets, traces them and adds up what they find. The bare loop finds its
 // packets filled, in the same order; it stores 16 constants into each, because rtcOccluded16 overwrites them.
 #include <benchmark/benchmark.h>
-#include <embree3/rtcore.h>
 #include <gnomon/kit/area/area_rays.h>
 #include <gnomon/kit/random.h>
 #include <tbb/blocked_range.h>
@@ -17,6 +16,7 @@
 
 #include "bench/micro/alternate.h"
 #include "bench/micro/scenes.h"
+#include "kit/rays/embree.h"
 #include "measure/frame/frame.h"
 #include "measure/scratch_folder.h"
 
@@ -48,7 +48,7 @@ struct Question {
 };
 
 struct Context {
-  RTCIntersectContext embree;
+  embree::Context embree;
   const Question* question;
 };
 
@@ -94,14 +94,11 @@ class Rig {
   void trace_bare() {
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, questions_.size(), 64), [&](const auto& range) {
       Context context;
-      rtcInitIntersectContext(&context.embree);
-      context.embree.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
-      context.embree.filter = exclude_receiver;
       for (std::size_t i = range.begin(); i < range.end(); ++i) {
         context.question = &questions_[i];
         questions_[i].packet.tfar.fill(1.0f);
-        rtcOccluded16(questions_[i].valid.data(), casters_.handle(), &context.embree,
-                      reinterpret_cast<RTCRay16*>(&questions_[i].packet));
+        embree::occlude(questions_[i].valid.data(), casters_.handle(), reinterpret_cast<RTCRay16*>(&questions_[i].packet),
+                        context.embree, exclude_receiver);
       }
     });
   }

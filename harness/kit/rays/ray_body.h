@@ -1,5 +1,4 @@
 #pragma once
-#include <embree3/rtcore.h>
 #include <gnomon/kit/geometry/edges.h>
 #include <gnomon/kit/rays/rays.h>
 
@@ -8,6 +7,7 @@
 #include <mutex>
 #include <optional>
 
+#include "kit/rays/embree.h"
 #include "kit/rays/ray_filters.h"
 #include "kit/rays/tree_sample.h"
 

@@ -37,7 +37,7 @@ void intersect_shape(const RTCIntersectFunctionNArguments* args) {
     RTCHitN_Ng_z(hits, args->N, lane) = static_cast<float>(hit.normal.z);
     RTCHitN_geomID(hits, args->N, lane) = args->geomID;
     RTCHitN_primID(hits, args->N, lane) = 0;
-    RTCHitN_instID(hits, args->N, lane, 0) = RTC_INVALID_GEOMETRY_ID;
+    embree::set_no_instance(hits, args->N, lane);
   }
 }
 
@@ -108,9 +108,12 @@ std::shared_ptr<RayScene::Body> RayScene::Body::built(const Scene& scene, Truth 
 void RayScene::Body::build() {
   device = rtcNewDevice("verbose=0");
   if (!device) throw Error("Embree cannot start: error {}", static_cast<int>(rtcGetDeviceError(nullptr)));
+  // The same names take their arguments in another order in another major version.
+  if (const auto linked = rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_VERSION_MAJOR); linked != RTC_VERSION_MAJOR)
+    throw Error("Embree {} is linked, and the program was compiled for {}", linked, RTC_VERSION_MAJOR);
   rtcSetDeviceMemoryMonitorFunction(device, count_memory, &bytes);
   scene = rtcNewScene(device);
-  int flags = RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION;
+  int flags = RTC_SCENE_FLAG_ROBUST | embree::filter_flag;
   if (trees == Trees::moving) {
     // A tree over the trees of the meshes, which Embree keeps from one commit to the next in dynamic scenes alone.
     flags |= RTC_SCENE_FLAG_DYNAMIC;

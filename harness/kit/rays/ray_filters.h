@@ -1,14 +1,15 @@
 #pragma once
-#include <embree3/rtcore.h>
 #include <gnomon/kit/geometry/holes.h>
 #include <gnomon/kit/rays/rays.h>
+
+#include "kit/rays/embree.h"
 
 // Which hits count: Embree calls this for every triangle that a ray meets.
 namespace gnomon {
 
 /// What the filter and the shape callbacks see beside Embree's own context; ray ids are lane numbers.
 struct FilterContext {
-  RTCIntersectContext embree = {};
+  embree::Context embree = {};
   Receivers receivers = {};       ///< none: exact curved shapes let all through
   const Scene* masked = nullptr;  ///< whose alpha masks and transmission count; null: all triangles are solid and opaque
   double scale = 1;               ///< of the world to the frame that is traced

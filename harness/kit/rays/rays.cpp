@@ -42,13 +42,10 @@ GNOMON_VECTORIZED std::uint32_t blocked_bits(const float* tfar) {
 /// Whether anything blocks the rays, hits that the filter excludes left out; bit k is ray k.
 std::uint32_t trace(RTCScene scene, std::uint32_t valid, ShadowPacket& packet, FilterContext& context,
                     RTCFilterFunctionN filter) {
-  rtcInitIntersectContext(&context.embree);
-  context.embree.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
-  context.embree.filter = filter;
   alignas(64) int lanes[16];
   lanes_from_bits(valid, lanes);
   empty_lanes(valid, packet.tnear.data(), packet.tfar.data());
-  rtcOccluded16(lanes, scene, &context.embree, reinterpret_cast<RTCRay16*>(&packet));
+  embree::occlude(lanes, scene, reinterpret_cast<RTCRay16*>(&packet), context.embree, filter);
   return blocked_bits(packet.tfar.data()) & valid;
 }
 
@@ -77,11 +74,9 @@ RayScene::Hit RayScene::Body::closest(const glm::dvec3& origin, const glm::dvec3
   const glm::dvec3 start = scale * origin;
   if (scale != 1 && !(extent(start) < too_far)) return {};
   RayContext ray{context(), start, direction};
-  rtcInitIntersectContext(&ray.embree);
-  ray.embree.filter = filter;
   RTCRayHit query{ray_to(start, direction, INFINITY), {}};
   query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-  rtcIntersect1(scene, &ray.embree, &query);
+  embree::intersect(scene, query, ray.embree, filter);
   if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return {};
   return {query.hit.geomID, query.hit.primID, glm::normalize(glm::dvec3(query.hit.Ng_x, query.hit.Ng_y, query.hit.Ng_z)),
           query.ray.tfar / scale};
@@ -100,8 +95,7 @@ std::vector<RayScene::Met> RayScene::met(const glm::dvec3& origin, const glm::dv
     std::vector<Met> found;
   } search;
   search.masked = body_->context().masked;
-  rtcInitIntersectContext(&search.embree);
-  search.embree.filter = [](const RTCFilterFunctionNArguments* args) {
+  const RTCFilterFunctionN filter = [](const RTCFilterFunctionNArguments* args) {
     const auto* hit = reinterpret_cast<const RTCHit*>(args->hit);  // one ray
     auto& search = *static_cast<Search*>(reinterpret_cast<FilterContext*>(args->context));
     if (!search.masked || !search.masked->meshes[hit->geomID].transmission) search.found.push_back({hit->geomID, hit->primID});
@@ -111,7 +105,7 @@ std::vector<RayScene::Met> RayScene::met(const glm::dvec3& origin, const glm::dv
   if (!(extent(start) < too_far)) return {};
   const double length = glm::length(way);
   RTCRay ray = ray_to(start, way / length, static_cast<float>(body_->scale * length));
-  rtcOccluded1(body_->scene, &search.embree, &ray);
+  embree::occlude(body_->scene, ray, search.embree, filter);
   return search.found;
 }
 
@@ -180,11 +174,13 @@ std::string RayScene::description() const {
   if (has(RTC_DEVICE_PROPERTY_NATIVE_RAY16_SUPPORTED)) width = 16;
   std::string text =
       fmt::format("Embree {}, {} rays at once, robust; receiver's triangle excluded, origin lifted by 8 * 2^-24 * max|P|",
-                  RTC_VERSION_STRING, width);
+                  embree_version(), width);
   if (body_->scale != 1) text += fmt::format("; traced at 2^{} of its size", std::ilogb(body_->scale));
   return text;
 }
 RTCSceneTy* RayScene::handle() const { return body_->scene; }
+
+const char* embree_version() { return RTC_VERSION_STRING; }
 
 double ray_offset(const glm::vec3& p) { return 8 * 0x1p-24 * extent(p); }
 

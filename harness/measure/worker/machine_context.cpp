@@ -2,9 +2,9 @@
 
 #include <OpenImageIO/oiioversion.h>
 #include <assimp/version.h>
-#include <embree3/rtcore_config.h>
 #include <fmt/format.h>
 #include <gnomon/error.h>
+#include <gnomon/kit/rays/rays.h>
 #include <tbb/version.h>
 
 #include <cstdlib>
@@ -38,7 +38,7 @@ Json machine_context(int threads) {
                    {"threads", threads > 0 ? threads : cores},
                    {"load_average", load[0]},
                    {"started", started},
-                   {"libraries", json_object({{"embree", RTC_VERSION_STRING},
+                   {"libraries", json_object({{"embree", embree_version()},
                                               {"openimageio", OIIO_VERSION_STRING},
                                               {"assimp", assimp},
                                               {"tbb", fmt::format("{}.{}", TBB_VERSION_MAJOR, TBB_VERSION_MINOR)}})}}));

@@ -116,6 +116,9 @@ class RayScene {
   std::shared_ptr<Body> body_;
 };
 
+/// Of the Embree that the program was compiled for, as 3.13.5.
+const char* embree_version();
+
 /// Fills a packet with the shadow rays of pixels first .. first+15 (fewer at the end) toward a homogeneous light, by the ray
 /// recipe, and returns the lanes that face the light (see faces_light, which it equals in every lane).
 std::uint32_t fill_packet(const Scene& scene, const GBuffer& gbuffer, const Light& light, std::size_t first,
