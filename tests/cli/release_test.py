@@ -149,6 +149,9 @@ class Version(ProgramTest):
         page = (ROOT / "docs/releasing.md").read_text()
         self.assertEqual(re.findall(r"(?m)^\| `(\w+)` \|", page), STEPS)
 
+    def test_the_readme_is_one_screen_and_a_half(self):
+        self.assertLessEqual(len((ROOT / "README.md").read_text().splitlines()), 75)
+
     def test_the_numbers_of_the_page_are_those_of_the_program(self):
         page = (ROOT / "docs/stability.md").read_text()
         for number, path, name in ((r"\| contract, as binary \| (\d+)", "harness/include/gnomon/registry.h", "abi_version"),
