@@ -2,7 +2,8 @@
 """What version 1.0 wrote and was told is read and understood as it was: a run, its suite and scene, programs, words of commands.
 
 docs/stability.md says what is promised, tests/frozen/check sees to plugins. `frozen_test.py command_line.txt` prints what a version
-freezes as that file of tests/frozen/VERSION, commands and options; `frozen_test.py names.json` techniques and generated scenes.
+freezes as that file of tests/frozen/VERSION, commands and options; `frozen_test.py names.json` techniques and generated scenes;
+`frozen_test.py keys.json`, called in that folder, the keys of what commands print as JSON.
 """
 
 import csv
@@ -47,6 +48,29 @@ def names(call):
             "scenes": {id_: {"parameters": defaults(scene), "triangles": scene["triangles"], "bounds": scene["bounds"],
                              "lights": {light["name"]: light for light in scene["lights"]}, "views": {view["name"]: view for view in scene["views"]}}
                        for id_, scene in scenes.items()}}
+
+
+JSON_ANSWERS = (("table", "run", "--format", "json"), ("compare", "run", "run", "--format", "json"), ("analyze", "run", "front", "--format", "json"),
+                ("describe", "shadow_map", "--json"), ("describe", "walking_boxes", "--json"),
+                *(("list", what, "--json") for what in ("techniques", "scenes", "suites", "metrics", "causes", "rules")))
+
+
+def keys_of(value):
+    """The keys of nested objects; those of a list are all that its elements have."""
+    if isinstance(value, list):
+        together = {}
+        for keys in map(keys_of, value):
+            together = joined(together, keys)
+        return {"[]": together}
+    return {key: keys_of(part) for key, part in value.items()} if isinstance(value, dict) else {}
+
+
+def joined(one, other):
+    return {key: joined(one.get(key, {}), other.get(key, {})) for key in one | other}
+
+
+def json_keys(call):
+    return {" ".join(words): keys_of(json.loads(call(*words))) for words in JSON_ANSWERS}
 
 
 def missing(then, now, place=""):
@@ -167,6 +191,15 @@ class Frozen(ProgramTest):
             self.assertGreater(min(len(then["techniques"]), len(then["scenes"])), 20)
             self.assertEqual(missing(then, now), [])
 
+    def test_json_has_the_keys_then(self):
+        for copy in self.each():
+            then = json.loads((copy / "keys.json").read_text())
+            self.assertEqual(set(then), {" ".join(words) for words in JSON_ANSWERS})
+            self.assertEqual(missing(then, json_keys(self.succeed)), [])
+
+    def test_keys_of_lists_are_those_of_any_element(self):
+        self.assertEqual(keys_of({"a": [{"b": 1}, {"c": {"d": 2}}], "e": []}), {"a": {"[]": {"b": {}, "c": {"d": {}}}}, "e": {"[]": {}}})
+
     def test_what_is_missing_is_found(self):
         then = {"techniques": {"a": {"n": "1", "m": "2"}}, "scenes": {}}
         self.assertEqual(missing(then, {"techniques": {"a": {"n": "1", "m": "2", "k": "3"}, "b": {}}, "scenes": {"c": {}}}), [])
@@ -178,7 +211,8 @@ def call(*words):
 
 
 WRITES = {"command_line.txt": lambda: "\n".join(" ".join(filter(None, pair)) for pair in dict.fromkeys(helps(call))),
-          "names.json": lambda: json.dumps(names(call), indent=1)}
+          "names.json": lambda: json.dumps(names(call), indent=1),
+          "keys.json": lambda: json.dumps(json_keys(call), indent=1)}
 
 if __name__ == "__main__":
     if sys.argv[1:] and sys.argv[1] in WRITES:
