@@ -5,6 +5,7 @@ import { h, onWidth } from "./dom.js";
 import { onFilter } from "./filter.js";
 import { saveButton } from "./plot_file.js";
 import { followKeys, teller } from "./plot_keys.js";
+import { onRecall, recalled, remember } from "./page_state.js";
 import { costCard } from "./plot_cost.js";
 import { framesCard } from "./plot_frames.js";
 import { frontCard } from "./plot_front.js";
@@ -40,6 +41,7 @@ function addCard(section, make) {
     said,
   );
   section.append(element);
+  rememberChoices(card.name, chosen());
   onWidth(figure, (now) => { width = now; redraw(); });
   const see = (is_near) => {
     is_seen = is_near;
@@ -49,6 +51,21 @@ function addCard(section, make) {
   new IntersectionObserver(watch, { rootMargin: "400px" }).observe(element);
   addEventListener("beforeprint", () => see(true));
   onFilter(redraw);
+}
+
+/** What a reader chooses in a card's lists goes into the address, under the names of card and list. */
+function rememberChoices(name, lists) {
+  const key = (list) => `${name}.${list.name}`;
+  const recall = () =>
+    lists.forEach((list) => {
+      const value = recalled(key(list));
+      if (value === null || value === list.value || ![...list.options].some((option) => option.value === value)) return;
+      list.value = value;
+      list.dispatchEvent(new Event("change"));
+    });
+  lists.forEach((list) => list.addEventListener("change", () => remember({ [key(list)]: list.value })));
+  recall();
+  onRecall(recall);
 }
 
 export function showPlots(section) {
