@@ -38,6 +38,7 @@ void add_pack(Program& program);
 void add_certify(Program& program);
 void add_docs(Program& program);
 void add_score(Program& program);
+void add_site(Program& program);
 void add_cache(Program& program);
 void add_view(Program& program);
 

@@ -1,12 +1,14 @@
-# The page that `gnomon report` fills: report/html/web bundled into one template, which becomes a source file of gnomon_report.
-option(GNOMON_REPORT "Build the page of `gnomon report`; needs npm, and the network once" ON)
+# The page that `gnomon report` fills: report/html/web bundled into one template, which becomes a source file of gnomon_report. The
+# scripts and the style of `gnomon site`, from report/site/web, become another one.
+option(GNOMON_REPORT "Build the pages of `gnomon report` and `gnomon site`; needs npm, and the network once" ON)
 
 set(web ${CMAKE_CURRENT_SOURCE_DIR}/report/html/web)
+set(site_web ${CMAKE_CURRENT_SOURCE_DIR}/report/site/web)
 set(page_dir ${PROJECT_BINARY_DIR}/report_page)
-set(instead "configure with -DGNOMON_REPORT=OFF to build the program without it: all but `gnomon report` works then")
+set(instead "configure with -DGNOMON_REPORT=OFF to build the program without it: all but `gnomon report` and `gnomon site` works then")
 
 if(NOT GNOMON_REPORT)
-  target_sources(gnomon_report PRIVATE ${web}/no_page.cpp)
+  target_sources(gnomon_report PRIVATE ${web}/no_page.cpp ${site_web}/no_site.cpp)
   return()
 endif()
 
@@ -52,5 +54,10 @@ add_custom_command(OUTPUT ${page_dir}/page.cpp
   COMMAND ${GNOMON_NODE} ${web}/bundle.js ${page_dir}/node_modules ${page_dir}/page.cpp
   DEPENDS ${web_files} ${stamp}
   COMMENT "Bundling the report's page" VERBATIM)
-target_sources(gnomon_report PRIVATE ${page_dir}/page.cpp)
-set_source_files_properties(${page_dir}/page.cpp PROPERTIES SKIP_PRECOMPILE_HEADERS ON)
+file(GLOB site_files CONFIGURE_DEPENDS ${site_web}/*.js ${site_web}/*.css)
+add_custom_command(OUTPUT ${page_dir}/site.cpp
+  COMMAND ${GNOMON_NODE} ${site_web}/bundle.js ${page_dir}/node_modules ${page_dir}/site.cpp
+  DEPENDS ${site_files} ${web_files} ${stamp}
+  COMMENT "Bundling the scripts of the site" VERBATIM)
+target_sources(gnomon_report PRIVATE ${page_dir}/page.cpp ${page_dir}/site.cpp)
+set_source_files_properties(${page_dir}/page.cpp ${page_dir}/site.cpp PROPERTIES SKIP_PRECOMPILE_HEADERS ON)

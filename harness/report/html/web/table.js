@@ -64,11 +64,17 @@ function interval(row, column) {
   return low === high ? null : h("small", { class: "interval" }, `${low} \u2013 ${high}`);
 }
 
+/** A name, in a site with a link to its page. */
+function named(key, name, text) {
+  const href = data.links?.[key]?.[name];
+  return href ? h("a", { href }, breakable(text)) : breakable(text);
+}
+
 function techniqueCell(row, text, openPictures) {
   const title = "Compare its picture with the reference";
   const act = { type: "button", onclick: () => openPictures(row) };
   const button = h("button", { class: "picture", title, "aria-label": `Pictures of ${row.title}`, ...act }, "\u25d0");
-  const id = h("span", { class: "id" }, breakable(text));
+  const id = h("span", { class: "id" }, named("techniques", row.technique, text));
   const role = row.role !== "contender" && h("small", { class: "role" }, row.role);
   return h("th", { scope: "row", class: "text technique stays", "data-stays": "technique" }, h("div", {}, id, role, row.pictures && button));
 }
@@ -97,7 +103,7 @@ function cell(row, column, openPictures) {
     "td",
     { class: names || null, "data-stays": stays ? column.name : null },
     is_best && mark("\u2605", "best of its group"),
-    column.is_left ? breakable(text) : text,
+    column.name === "scene" ? named("scenes", row.scene, text) : column.is_left ? breakable(text) : text,
     is_floored && mark("\u00b0", noise, `${noise} of the best value`),
     is_flagged && mark("\u2691", few, `${few}: read the errors with care`),
     interval(row, column),
