@@ -26,11 +26,13 @@ VulkanChoice choice_of(GlChoice choice) {
   return VulkanChoice::any;
 }
 
-/// Why none could be made.
+/// Why there is none.
 std::string make_device() {
   const VulkanChoice choice = choice_of(gl_choice_from_environment());
   try {
     set_current_vulkan(new Vulkan(choice));  // never deleted
+  } catch (const VulkanFailure&) {
+    throw;
   } catch (const Error& error) {
     return error.what();
   }

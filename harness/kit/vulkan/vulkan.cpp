@@ -62,6 +62,11 @@ std::string_view name(VkResult result) {
   }
 }
 
+/// Of a device that has all that is asked for.
+bool is_failure(VkResult result) {
+  return result == VK_ERROR_DEVICE_LOST || result == VK_ERROR_OUT_OF_HOST_MEMORY || result == VK_ERROR_OUT_OF_DEVICE_MEMORY;
+}
+
 /// How willingly a device is taken: the higher, the rather.
 int rank(const VkPhysicalDeviceProperties& properties) {
   switch (properties.deviceType) {
@@ -110,12 +115,14 @@ Vulkan::~Vulkan() { destroy(); }
 
 void Vulkan::check(VkResult result, const char* what) {
   if (result >= 0) return;
-  throw Error("{}: {} (VkResult {})", what, name(result), static_cast<int>(result));
+  constexpr const char* words = "{}: {} (VkResult {})";
+  if (is_failure(result)) throw VulkanFailure(words, what, name(result), static_cast<int>(result));
+  throw Error(words, what, name(result), static_cast<int>(result));
 }
 
 void Vulkan::open_loader() {
   loader_ = dlopen("libvulkan.so.1", RTLD_NOW | RTLD_LOCAL);
-  if (!loader_) throw Error("there is no Vulkan loader, libvulkan.so.1 (Debian: libvulkan1)");
+  if (!loader_) throw Error("there is no Vulkan loader (Debian: libvulkan1): {}", dlerror());
   const auto find = reinterpret_cast<PFN_vkGetInstanceProcAddr>(dlsym(loader_, "vkGetInstanceProcAddr"));
   if (!find) throw Error("libvulkan.so.1 is no Vulkan loader: it has no vkGetInstanceProcAddr");
   GetInstanceProcAddr = find;
@@ -143,7 +150,7 @@ void Vulkan::make_instance() {
   info.pApplicationInfo = &application;
   info.enabledExtensionCount = has_messages ? 1 : 0;
   info.ppEnabledExtensionNames = &debug_extension;
-  check(CreateInstance(&info, nullptr, &instance_), "a Vulkan instance");
+  check_made(CreateInstance(&info, nullptr, &instance_), instance_, "a Vulkan instance");
 #define GNOMON_VULKAN_LOAD(function) \
   function = reinterpret_cast<PFN_vk##function>(GetInstanceProcAddr(instance_, "vk" #function))
   GNOMON_VULKAN_OF_INSTANCE(GNOMON_VULKAN_LOAD)
@@ -154,7 +161,7 @@ void Vulkan::make_instance() {
   messenger.messageType = VK_DEBUG_UTILS_MESSAGE_TYPE_VALIDATION_BIT_EXT;
   messenger.pfnUserCallback = note_message;
   messenger.pUserData = &messages_;
-  check(CreateDebugUtilsMessengerEXT(instance_, &messenger, nullptr, &messenger_), "a messenger of Vulkan");
+  check_made(CreateDebugUtilsMessengerEXT(instance_, &messenger, nullptr, &messenger_), messenger_, "a messenger of Vulkan");
 }
 
 void Vulkan::choose(VulkanChoice choice) {
@@ -234,7 +241,7 @@ void Vulkan::make_device() {
   info.pQueueCreateInfos = &queue;
   info.enabledExtensionCount = static_cast<std::uint32_t>(extensions.size());
   info.ppEnabledExtensionNames = extensions.data();
-  check(CreateDevice(physical_, &info, nullptr, &device_), properties_.deviceName);
+  check_made(CreateDevice(physical_, &info, nullptr, &device_), device_, properties_.deviceName);
 #define GNOMON_VULKAN_LOAD(function) function = reinterpret_cast<PFN_vk##function>(GetDeviceProcAddr(device_, "vk" #function))
   GNOMON_VULKAN_OF_DEVICE(GNOMON_VULKAN_LOAD)
 #undef GNOMON_VULKAN_LOAD
@@ -243,10 +250,10 @@ void Vulkan::make_device() {
   auto pool = vulkan_info<VkCommandPoolCreateInfo>(VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO);
   pool.flags = VK_COMMAND_POOL_CREATE_RESET_COMMAND_BUFFER_BIT;
   pool.queueFamilyIndex = family_;
-  check(CreateCommandPool(device_, &pool, nullptr, &pool_), "a pool of commands");
+  check_made(CreateCommandPool(device_, &pool, nullptr, &pool_), pool_, "a pool of commands");
   commands_ = new_commands();
   auto fence = vulkan_info<VkFenceCreateInfo>(VK_STRUCTURE_TYPE_FENCE_CREATE_INFO);
-  check(CreateFence(device_, &fence, nullptr, &fence_), "a fence");
+  check_made(CreateFence(device_, &fence, nullptr, &fence_), fence_, "a fence");
 }
 
 void Vulkan::destroy() {

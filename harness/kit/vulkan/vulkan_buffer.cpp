@@ -103,7 +103,7 @@ VulkanBuffer::VulkanBuffer(std::size_t bytes, VkBufferUsageFlags usage, Lies lie
   auto info = vulkan_info<VkBufferCreateInfo>(VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO);
   info.size = bytes_;
   info.usage = usage;
-  Vulkan::check(v.CreateBuffer(v.device(), &info, nullptr, &buffer_), "a buffer");
+  Vulkan::check_made(v.CreateBuffer(v.device(), &info, nullptr, &buffer_), buffer_, "a buffer");
   VkMemoryRequirements needed;
   v.GetBufferMemoryRequirements(v.device(), buffer_, &needed);
   auto flags = vulkan_info<VkMemoryAllocateFlagsInfo>(VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_FLAGS_INFO);
@@ -112,7 +112,7 @@ VulkanBuffer::VulkanBuffer(std::size_t bytes, VkBufferUsageFlags usage, Lies lie
   allocation.pNext = usage & VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT ? &flags : nullptr;
   allocation.allocationSize = needed.size;
   allocation.memoryTypeIndex = memory_for(needed.memoryTypeBits, lies);
-  Vulkan::check(v.AllocateMemory(v.device(), &allocation, nullptr, &memory_), "memory of a buffer");
+  Vulkan::check_made(v.AllocateMemory(v.device(), &allocation, nullptr, &memory_), memory_, "memory of a buffer");
   Vulkan::check(v.BindBufferMemory(v.device(), buffer_, memory_, 0), "memory of a buffer");
   if (lies == Lies::on_device) return;
   void* data = nullptr;

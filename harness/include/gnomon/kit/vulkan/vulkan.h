@@ -1,6 +1,7 @@
 #pragma once
 // Only where GNOMON_VULKAN is defined: where Vulkan's headers and the compiler of shaders were there when this was built.
 #define VK_NO_PROTOTYPES
+#include <gnomon/error.h>
 #include <gnomon/gbuffer.h>
 #include <gnomon/kit/vulkan/current.h>
 #include <gnomon/kit/vulkan/functions.h>
@@ -17,11 +18,17 @@ namespace gnomon {
 /// Which devices may be taken: those that are a processor, others, or either, others first.
 enum class VulkanChoice { any, processor, card };
 
+/// The device is lost, or has no memory left: it may be another time.
+struct VulkanFailure : Error {
+  using Error::Error;
+};
+
 /// A Vulkan device with acceleration structures, its one queue, and the functions of Vulkan under their own names. The loader
 /// is opened by name, so that programs without Vulkan do not need it. Calls come from one thread.
 class Vulkan : public VulkanFunctions {
  public:
-  /// Throws Error with what is missing: the loader, a driver, a device of the choice, an extension.
+  /// Throws Error with what is missing: the loader, a driver, a device of the choice, an extension. Throws VulkanFailure where
+  /// a device has all that and cannot be made.
   explicit Vulkan(VulkanChoice choice);
   ~Vulkan();
   Vulkan(const Vulkan&) = delete;
@@ -40,8 +47,15 @@ class Vulkan : public VulkanFunctions {
   /// Nanoseconds from one timestamp to a later one.
   double nanoseconds(std::uint64_t from, std::uint64_t to) const;
 
-  /// Throws Error where the result is an error: "what: VK_ERROR_DEVICE_LOST".
+  /// Throws Error where the result is an error, "what: the device is lost (VkResult -4)": VulkanFailure where the device is
+  /// lost or there is no memory.
   static void check(VkResult result, const char* what);
+  /// The same of a call that makes something. Where it fails `made` is null, whatever the driver left there.
+  template <class Handle>
+  static void check_made(VkResult result, Handle& made, const char* what) {
+    if (result < 0) made = VK_NULL_HANDLE;
+    check(result, what);
+  }
   /// Records commands, hands them over and waits until they are done.
   void submit(const std::function<void(VkCommandBuffer)>& record) const;
   /// Commands to hand over again and again, each time when they are done. They live as long as the device.
