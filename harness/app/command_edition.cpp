@@ -72,6 +72,7 @@ Json json_of(const Described& found) {
                                   {"applies", applies(erratum)}}));
   for (const auto& [place, rows] : places_of(found.jobs)) places.push_back(json_object({{"place", place}, {"rows", rows}}));
   return json_object({{"name", edition.name},
+                      {"file", edition_file(edition.name).string()},
                       {"title", edition.title},
                       {"hash", edition.hash},
                       {"program", build_context()["version"]},
