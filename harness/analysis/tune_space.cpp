@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <set>
 
 #include "analysis/analysis.h"
@@ -289,5 +290,24 @@ std::string TuneSpace::name(const TuneSetting& setting) const {
 }
 
 TuneSpace tune_space(const std::string& text, const TuneMatter& matter) { return Reader(text, matter).space(); }
+
+void put_by_stages(const TuneSpace& space, std::vector<TuneQuestion>& questions) {
+  const std::unique_ptr<Technique> technique = registry().technique(space.technique).make();
+  technique->apply(space.fixed);
+  std::vector<std::size_t> early_first(space.parameters.size());
+  std::iota(early_first.begin(), early_first.end(), std::size_t{0});
+  std::ranges::stable_sort(early_first, {},
+                           [&](std::size_t k) { return technique->parameter(space.parameters[k].name).spoils(); });
+  const auto early_levels_first = [&](const TuneQuestion& question) {
+    TuneSetting levels;
+    for (const std::size_t k : early_first) levels.push_back(question.setting[k]);
+    return levels;
+  };
+  for (auto begin = questions.begin(); begin != questions.end();) {
+    const auto end = std::find_if(begin, questions.end(), [&](const TuneQuestion& one) { return one.place != begin->place; });
+    std::ranges::stable_sort(begin, end, {}, early_levels_first);
+    begin = end;
+  }
+}
 
 }  // namespace gnomon

@@ -43,6 +43,10 @@ struct TuneSpace {
 /// "Casters with holes: " at its beginning. Throws Error on unknown techniques and parameters, and on values out of range.
 TuneSpace tune_space(const std::string& text, const TuneMatter& matter = {});
 
+/// Sorts the questions that follow one another at one place: what spoils early stages of the technique changes the least often,
+/// so that a worker that keeps what a setting does not spoil does the least again.
+void put_by_stages(const TuneSpace& space, std::vector<TuneQuestion>& questions);
+
 /// At most nine values of a number from `least` to `most`, rising, the default among them: whole numbers where these are few;
 /// on a logarithmic scale equal ratios, powers of two where they fit; else equal steps. A default in the lowest eighth of a
 /// range says that small values matter: then halves and doubles of it, and the least.

@@ -169,12 +169,13 @@ void Tuning::add_notes(TuneReport& report) {
   for (const Status status : {Status::unsupported, Status::failed}) {
     std::size_t count = 0;
     const Record* first = nullptr;
-    for (const auto& [job, record] : records_) {
-      if (record.status != status) continue;
-      if (count++ == 0) first = &record;
-    }
+    const auto see = [&](const Record& record) {
+      if (record.status == status && count++ == 0) first = &record;
+    };
+    for (const auto& [job, record] : records_) see(record);
+    for (const auto& [job, probed] : probed_) see(probed.record);
     if (first)
-      report.notes.push_back(fmt::format("{} {} row{}, for example {}: {}", count, name(status), count == 1 ? "" : "s",
+      report.notes.push_back(fmt::format("{} {} evaluation{}, for example {}: {}", count, name(status), count == 1 ? "" : "s",
                                          title(*first), first->reason));
   }
 }

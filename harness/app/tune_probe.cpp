@@ -2,6 +2,8 @@
 
 #include <gnomon/registry.h>
 
+#include <algorithm>
+
 #include "measure/paths.h"
 #include "measure/run/jobs.h"
 #include "measure/score/score.h"
@@ -14,7 +16,7 @@ TuneProbe::TuneProbe(const TunePlan& plan, const TuneSpace& space, SceneLibrary&
       library_(library),
       scratch_(ScratchFolder::in(std::filesystem::temp_directory_path(), "gnomon-tune")) {}
 
-std::optional<TuneProbe::Answer> TuneProbe::ask(const std::string& settings, const Job& place) {
+TuneProbe::Answer TuneProbe::ask(const std::string& settings, const Job& place) {
   if (scene_ != place.scene || !on_scene_) {
     on_scene_.reset();
     const SceneLibrary::Entry& entry = library_.get(place.scene);
@@ -24,17 +26,19 @@ std::optional<TuneProbe::Answer> TuneProbe::ask(const std::string& settings, con
                                     .scratch = scratch_.path(),
                                     .target = plan_.run.suite.target,
                                     .timeout = plan_.run.suite.timeout};
-    on_scene_ = std::make_unique<OnScene>(*entry.scene, options, space_.technique, settings, plan_.run.worker);
+    WorkerOptions workers = plan_.run.worker;
+    workers.keeps_shaders = true;  // no setup is timed
+    on_scene_ = std::make_unique<OnScene>(*entry.scene, options, space_.technique, settings, workers);
   }
   SceneRun& run = on_scene_->run;
   ContenderWorker& worker = on_scene_->worker;
   const About& about = registry().technique(space_.technique).about;
   const RowFrame frame = first_frame(place, run.scene);
   worker.client().set(settings);
-  if (!worker.go(frame, plan_.run.suite.truth, about.remembers)) return std::nullopt;
+  if (const Support support = worker.go(frame, plan_.run.suite.truth, about.remembers); !support) return {.support = support};
   constexpr int with_relight = static_cast<int>(Stage::relight) + 1;
-  if (worker.client().fresh_count() < with_relight) relight_ms_ = worker.client().time(Stage::relight);
-  const double resolve_ms = worker.client().time(Stage::resolve);
+  if (worker.client().fresh_count() < with_relight) times_.relight_ms = worker.client().time(Stage::relight);
+  times_.resolve_ms = worker.client().time(Stage::resolve);
   Record record;
   MeasuredRow row;
   std::vector<gnomon::Answer> answers = worker.answers(&record);
@@ -46,10 +50,18 @@ std::optional<TuneProbe::Answer> TuneProbe::ask(const std::string& settings, con
   put_together(row, run.scene);
   const Evidence evidence = row.evidence(run.scene);
   const Scoring scoring(evidence);
-  return Answer{{measure_metric(scoring, "error").value_or(0), static_cast<double>(record.bytes.value_or(0))},
-                measure_metric(scoring, "constant_error").value_or(1),
-                relight_ms_,
-                resolve_ms};
+  return {.numbers = {measure_metric(scoring, "error").value_or(0), static_cast<double>(record.bytes.value_or(0))},
+          .constant_error = measure_metric(scoring, "constant_error").value_or(1)};
+}
+
+TuneProbe::Times TuneProbe::times() {
+  times_.resolve_ms = std::min(times_.resolve_ms, on_scene_->worker.client().time(Stage::resolve));
+  return times_;
+}
+
+TuneProbe::Times TuneProbe::times_again() {
+  times_.relight_ms = std::min(times_.relight_ms, on_scene_->worker.client().time(Stage::relight));
+  return times();
 }
 
 }  // namespace gnomon::app

@@ -19,20 +19,30 @@ struct TunePlan {
   bool is_quiet = false;
 };
 
-/// Masks of many settings of one technique by one worker, which keeps what a setting does not spoil: milliseconds each, where a
-/// row takes a fresh process. Their times count for nothing but to tell what is several times too slow.
+/// Masks of many settings of one technique by one worker, which keeps what a setting does not spoil, and whose driver keeps
+/// compiled shaders: milliseconds each, where a row takes a fresh process that compiles all of them. Their times count for
+/// nothing but to tell what is too slow by far.
 class TuneProbe {
  public:
   /// The plan must outlive it.
   TuneProbe(const TunePlan& plan, const TuneSpace& space, SceneLibrary& library);
 
   struct Answer {
-    KeptGrid::Numbers numbers;
-    double constant_error = 0;              ///< of the best constant mask
-    double relight_ms = 0, resolve_ms = 0;  ///< of one call of each, the first with these settings
+    Support support = Support::full();  ///< where it is none there are no numbers
+    KeptGrid::Numbers numbers = {};
+    double constant_error = 0;  ///< of the best constant mask
   };
-  /// Nothing: the place has no answer. Throws WorkerFailure.
-  std::optional<Answer> ask(const std::string& settings, const Job& place);
+  /// Throws WorkerFailure.
+  Answer ask(const std::string& settings, const Job& place);
+  /// Milliseconds of what `ask` was answered for last.
+  struct Times {
+    double relight_ms = 0, resolve_ms = 0;
+  };
+  /// Of one call of each, of resolve the shorter of two: the first one with other shaders makes the driver compile.
+  /// Throws WorkerFailure.
+  Times times();
+  /// The same after a further call of each: the shorter ones of all. Throws WorkerFailure.
+  Times times_again();
   /// After a failure: the next question goes to a fresh worker.
   void forget() { on_scene_.reset(); }
 
@@ -54,7 +64,7 @@ class TuneProbe {
   ScratchFolder scratch_;
   std::string scene_;
   std::unique_ptr<OnScene> on_scene_;
-  double relight_ms_ = 0;  ///< of the last relight, which other settings may leave as it is
+  Times times_;  ///< of the last relight, which other settings may leave as it is, and of the last resolve
 };
 
 }  // namespace gnomon::app

@@ -5,7 +5,7 @@ namespace gnomon::app {
 
 namespace {
 
-/// Calls of a probe are first calls, which take less than twice as long as later ones.
+/// Calls of a probe are few, and other work on the machine delays some of them.
 constexpr double far_too_slow = 4;
 
 /// A number that a mask has without noise, as a probe answers it.
@@ -37,15 +37,25 @@ bool Tuning::has_probes() const {
 }
 
 void Tuning::keep_probed(std::size_t space, const Job& job, const TuneProbe::Answer& said, double goal) {
-  const TuneAnswer answer{
-      .goal = goal, .beyond = beyond(plan_.goal, said.numbers), .gain = said.constant_error - said.numbers.error};
+  const TuneAnswer answer{.is_there = static_cast<bool>(said.support),
+                          .goal = goal,
+                          .beyond = beyond(plan_.goal, said.numbers),
+                          .gain = said.constant_error - said.numbers.error};
   Record record = *record_of(contender_of({space, plan_.spaces[space].grid.base()}), job);
   record.job = job.hash;
   record.settings = job.contender.settings;
   record.parameters = json_object();
   record.stages = record.device_stages = record.harness_stages = {};
-  record.metrics[record.truth] = {{"error", said.numbers.error}, {"constant_error", said.constant_error}};
-  record.bytes = static_cast<std::uint64_t>(said.numbers.bytes);
+  record.metrics.clear();
+  record.bytes.reset();
+  record.support = said.support.kind();
+  record.reason = said.support.why();
+  if (said.support) {
+    record.metrics[record.truth] = {{"error", said.numbers.error}, {"constant_error", said.constant_error}};
+    record.bytes = static_cast<std::uint64_t>(said.numbers.bytes);
+  } else {
+    record.status = Status::unsupported;
+  }
   probed_.insert_or_assign(job.hash, Probed{answer, std::move(record)});
 }
 
@@ -64,17 +74,12 @@ void Tuning::drop_probed(std::size_t space, std::vector<Job>& unknown) {
     progress.advance(1);
     if (probed_.contains(job.hash) || is_over()) return true;
     try {
-      const std::optional<TuneProbe::Answer> said = probe_->ask(job.contender.settings, job);
-      if (!said) return false;
-      if (beyond(plan_.goal, said->numbers) > 0) {
-        keep_probed(space, job, *said, INFINITY);
+      const TuneProbe::Answer said = probe_->ask(job.contender.settings, job);
+      if (!said.support || beyond(plan_.goal, said.numbers) > 0) {
+        keep_probed(space, job, said, INFINITY);
         return true;
       }
-      if (!has_times) return false;
-      const double ms = (plan_.goal.least.cost == Cost::light ? said->relight_ms : 0) + said->resolve_ms;
-      kept.emplace(job.hash, Kept{*said, ms});
-      const auto [least, is_first] = least_ms_.try_emplace(place_title(job), ms);
-      least->second = std::min(least->second, ms);
+      if (has_times) kept.emplace(job.hash, Kept{said, least_ms(job)});
     } catch (const WorkerFailure&) {  // its row says why
       probe_->forget();
     }
@@ -86,6 +91,18 @@ void Tuning::drop_probed(std::size_t space, std::vector<Job>& unknown) {
     keep_probed(space, job, found->second.said, found->second.ms);
     return true;
   });
+}
+
+/// How long the probe took for what it answered last, the least that it takes; of a setting that seems too slow by more calls.
+double Tuning::least_ms(const Job& job) {
+  const auto sum = [&](const TuneProbe::Times& times) {
+    return (plan_.goal.least.cost == Cost::light ? times.relight_ms : 0) + times.resolve_ms;
+  };
+  double ms = sum(probe_->times());
+  double& least = least_ms_.try_emplace(place_title(job), ms).first->second;
+  if (ms > far_too_slow * least) ms = sum(probe_->times_again());
+  least = std::min(least, ms);
+  return ms;
 }
 
 }  // namespace gnomon::app

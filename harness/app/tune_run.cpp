@@ -134,17 +134,21 @@ void Tuning::hold_out() {
 }
 
 std::vector<std::optional<TuneAnswer>> Tuning::ask(std::size_t space, std::span<const TuneQuestion> questions) {
+  const auto job = [&](const TuneQuestion& question) {
+    return job_of(contender_of({space, question.setting}), places_[question.place]);
+  };
   std::vector<Job> jobs, unknown;
-  for (const TuneQuestion& question : questions) {
-    jobs.push_back(job_of(contender_of({space, question.setting}), places_[question.place]));
-    if (!records_.contains(jobs.back().hash)) unknown.push_back(jobs.back());
-  }
+  for (const TuneQuestion& question : questions) jobs.push_back(job(question));
+  std::vector<TuneQuestion> ordered(questions.begin(), questions.end());
+  if (probe_) put_by_stages(plan_.spaces[space], ordered);
+  for (const TuneQuestion& question : ordered)
+    if (Job one = job(question); !records_.contains(one.hash)) unknown.push_back(std::move(one));
   drop_probed(space, unknown);
   run_jobs(select_jobs(plan_.run, std::move(unknown)), search_suite_, true);
   std::vector<std::optional<TuneAnswer>> answers;
-  for (const Job& job : jobs) {
-    const auto found = records_.find(job.hash);
-    const auto probed = probed_.find(job.hash);
+  for (const Job& one : jobs) {
+    const auto found = records_.find(one.hash);
+    const auto probed = probed_.find(one.hash);
     if (found != records_.end())
       answers.emplace_back(tune_answer(found->second, plan_.goal));
     else

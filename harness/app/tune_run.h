@@ -52,6 +52,7 @@ class Tuning {
   bool has_probes() const;
   void keep_probed(std::size_t space, const Job& job, const TuneProbe::Answer& said, double goal);
   void drop_probed(std::size_t space, std::vector<Job>& unknown);
+  double least_ms(const Job& job);
   bool is_over() const { return plan_.budget && seconds_since(start_) > *plan_.budget; }
   void drop_unanswered();
   void hold_out();
@@ -73,10 +74,11 @@ class Tuning {
   std::map<std::size_t, TuneSearch> searches_;   ///< of active spaces
   std::map<std::string, std::size_t> ordinals_;  ///< of settings, by name, in the order in which they were asked
   std::map<std::string, Record> records_;        ///< by job
-  /// By job, what a probe says of settings that break a limit, or that are several times too slow: they need no row.
+  /// By job, what a probe says of settings that are unsupported, break a limit, or are several times too slow: they need no
+  /// row.
   struct Probed {
     TuneAnswer answer;
-    Record record;  ///< with error and bytes; it is not in the folder
+    Record record;  ///< with error and bytes, or why there are none; it is not in the folder
   };
   std::map<std::string, Probed> probed_;
   std::optional<TuneProbe> probe_;          ///< of the space that is searched

@@ -115,6 +115,13 @@ class Tune(ProgramTest):
         for row in rows[1:]:
             self.assertLessEqual(row["metrics"]["shape"]["error"], 0.02, row["settings"])
 
+    def test_of_a_large_grid_unsupported_settings_have_no_row(self):
+        grid = "shadow_map:resolution={64,90,128,181,256},filter={nearest,revectorized},depth_bias=*,slope_bias=*,faces=*"
+        text = self.tune("--technique", grid, "--scene", "fence", "--light", "point", "--error", "0.00001%", status=1)
+        self.assertRegex(text, r"\d+ unsupported evaluations, for example .*filter=revectorized.*a point light")
+        for row in records(self.dir / "out"):
+            self.assertEqual(row["status"], "ok", row["settings"])
+
     def test_a_dry_run_prints_levels_and_evaluations(self):
         text = self.succeed("tune", "shadow_map", *ONE, "--error", "1%", "--dry-run")
         self.assertRegex(text, r"(?m)^resolution +64, 128, 256, 512, 1024, 2048, 4096, 8192 +always$")

@@ -1,8 +1,11 @@
 #include "analysis/tune_space.h"
 
+#include <gnomon/kit/random.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <map>
+#include <set>
 
 #include "error_words.h"
 
@@ -103,6 +106,34 @@ TEST(tune_space, without_what_a_parameter_is_for_it_is_skipped_with_its_controll
   for (const std::string_view name : {"alpha", "longest", "on_change"})
     EXPECT_NE(std::ranges::find(space.skipped, fmt::format("{} (for memory=accumulate,clamp)", name)), space.skipped.end())
         << name;
+}
+
+TEST(tune_space, questions_at_a_place_change_early_stages_the_least_often) {
+  // bias spoils setup, resolution relight, depth_bias resolve: of eight settings the first changes once, the second three
+  // times.
+  const TuneSpace space = tune_space("shadow_map:depth_bias={0,1},resolution={64,128},bias={constant,receiver_plane}");
+  ASSERT_EQ(space.grid.all().size(), 8u);
+  std::vector<TuneQuestion> questions;
+  for (const std::size_t place : {1u, 0u})
+    for (const TuneSetting& setting : space.grid.all()) questions.push_back({setting, place});
+  Random(1).shuffle(questions);
+  std::ranges::stable_sort(questions, std::greater(), &TuneQuestion::place);
+  put_by_stages(space, questions);
+  for (const std::size_t first : {0u, 8u}) {
+    std::map<std::string, int> changes;
+    std::set<TuneSetting> settings;
+    for (std::size_t k = first; k < first + 8; ++k) {
+      EXPECT_EQ(questions[k].place, first == 0 ? 1u : 0u);
+      settings.insert(questions[k].setting);
+      if (k == first) continue;
+      for (const std::string name : {"bias", "resolution", "depth_bias"})
+        changes[name] += questions[k].setting[index(space, name)] != questions[k - 1].setting[index(space, name)];
+    }
+    EXPECT_EQ(settings.size(), 8u);
+    EXPECT_EQ(changes["bias"], 1);
+    EXPECT_EQ(changes["resolution"], 3);
+    EXPECT_EQ(changes["depth_bias"], 7);
+  }
 }
 
 TEST(tune_space, bad_texts_are_refused_with_what_is_allowed) {
