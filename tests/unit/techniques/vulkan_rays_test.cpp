@@ -87,9 +87,10 @@ TEST_F(VulkanRays, differ_from_the_reference_in_class_u_alone) {
 }
 
 // Light inside of a closed mesh, points outside, each on the line from the light through a corner or through a point of an
-// edge. How many of 6,000 are lit is the device's affair: lavapipe of Mesa 25.0.7 lets 14 pass. Twice as many are allowed.
+// edge. How many of 6,000 are lit is the device's affair: lavapipe of Mesa 25.0.7 lets 14 pass, for it rounds where it tests
+// boxes (docs/decisions/rays_in_vulkan.md). Twice as many are allowed, through corners alone: edges are in the midst of boxes.
 TEST_F(VulkanRays, few_rays_enter_a_closed_mesh_by_its_edges) {
-  std::ptrdiff_t leaks = 0;
+  std::size_t leaks = 0, at_edges = 0;
   const auto technique = set_up("");
   Random random(8);
   Scene scene;
@@ -111,10 +112,14 @@ TEST_F(VulkanRays, few_rays_enter_a_closed_mesh_by_its_edges) {
     }
     technique->relight(hand_made::point_light(at));
     const std::vector<float> mask = small_world::mask_of(*technique, picture.gbuffer);
-    leaks += std::ranges::count(mask, 1.0f);
+    for (std::size_t i = 0; i < mask.size(); ++i) {
+      leaks += mask[i] == 1;
+      at_edges += mask[i] == 1 && i % 2 == 0;
+    }
     EXPECT_EQ(value(technique->counts(), "rays"), 50 * 40);
   }
-  EXPECT_LE(leaks, 28);
+  EXPECT_LE(leaks, 28u);
+  EXPECT_EQ(at_edges, 0u);
   RecordProperty("leaks", static_cast<int>(leaks));
 }
 
