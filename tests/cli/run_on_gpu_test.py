@@ -22,7 +22,7 @@ case "$*" in *--out*) ;; *) exit 0 ;; esac
 while [ "$1" != --out ]; do shift; done
 mkdir -p "$2"
 case $status in
-  hangs) sleep 600 & echo $! >"$STUB_CALLS.hangs"; wait ;;
+  hangs) echo $$ >"$STUB_CALLS.hangs"; exec sleep 600 ;;
   *) printf '{"status":"%s","reason":"because","gl_renderer":"Abacus","gl_version":"Vulkan 1.2"}\\n' "$status" >"$2/records.jsonl" ;;
 esac
 [ "$status" != failed ]
