@@ -17,10 +17,9 @@ constexpr double least_change = 1.0 / 256;
 
 /// A row's mask in its place, with what is tested there.
 MeasuredRow read_row(const Record& record, const fs::path& dir, CurrentScene& current) {
-  const fs::path file = dir / *record.mask;
-  if (!fs::exists(file)) throw Error("the mask {} of {} is not there", file.string(), title(record));
   try {
-    MeasuredRow row = kept_row(record, file, "V", kept_place(record, *current.scene, record.truth), *current.frames);
+    MeasuredRow row =
+        kept_row(record, dir / *record.mask, "V", kept_place(record, *current.scene, record.truth), *current.frames);
     put_together(row, *current.scene);
     return row;
   } catch (const Error& problem) {
@@ -52,8 +51,8 @@ std::optional<MaskDifference> difference(const Evidence& base, const Evidence& o
 
 using Places = std::vector<std::pair<Place, std::vector<const Record*>>>;
 
-/// Rows with masks by place; of places with one row none. Counts what it leaves out.
-Places places_of(std::span<const Record> records, MaskDifferences& result) {
+/// Rows with masks by place; of places with one row none. Counts what it leaves out. Throws Error when a mask is not there.
+Places places_of(std::span<const Record> records, const fs::path& dir, MaskDifferences& result) {
   Places places;
   std::size_t on_path = 0, without_mask = 0;
   for (const Record& record : records) {
@@ -71,6 +70,10 @@ Places places_of(std::span<const Record> records, MaskDifferences& result) {
   note(on_path, "on a path, only the mask of the last frame is kept");
   note(without_mask, "no mask was kept");
   std::erase_if(places, [](const auto& place) { return place.second.size() < 2; });
+  for (const auto& [place, rows] : places)
+    for (const Record* record : rows)
+      if (const fs::path file = dir / *record->mask; !fs::exists(file))
+        throw Error("the mask {} of {} is not there", file.string(), title(*record));
   return places;
 }
 
@@ -92,7 +95,7 @@ void compare_place(const std::vector<const Record*>& rows, const fs::path& dir, 
 
 MaskDifferences compare_masks(std::span<const Record> records, const fs::path& dir, Progress& progress) {
   MaskDifferences result;
-  const Places places = places_of(records, result);
+  const Places places = places_of(records, dir, result);
   progress.expect(static_cast<double>(places.size()));
   std::optional<CurrentScene> current;
   std::string loaded;

@@ -163,9 +163,9 @@ TEST(displacement_in_meters, leaves_out_pixels_that_see_their_plane_too_flatly) 
   EXPECT_NEAR(ground.metric("displacement_mean", row(60), row(40)).value(), 20, 1e-9);
   const double way = 1 / (1.5 * s) - 1 / (2.5 * s);
   EXPECT_GE(ground.metric("displacement_mean_m", row(42), row(41)).value(), way * 0.999);
-  // A flat row beside one that is not changes nothing.
+  // Every other pixel of the flat row is on the rim, too, and changes nothing.
   auto both = row(41);
-  for (int x = 0; x < size; ++x) both[40 * size + x] = 0;
+  for (int x = 0; x < size; x += 2) both[40 * size + x] = 0;
   EXPECT_EQ(ground.metric("displacement_mean_m", row(41), both), 0);
 }
 
