@@ -25,7 +25,7 @@ class SiteTest : public testing::Test {
     Record r = table_rows::row(technique, 1, error, scene);
     r.suite = suite;
     r.lights.emplace_back().name = "point";
-    r.times(Stage::relight) = {{1}, {2}, {3}};
+    r.times(Stage::relight) = {{1}, {2}, {3}, {2}, {1}};  // as many processes as resolve has
     return r;
   }
 
@@ -130,7 +130,10 @@ TEST_F(SiteTest, pages_of_a_hostile_run_hold_its_text_as_text) {
   worst.reason = evil;
   worst.view = evil;
   worst.context["processor"] = evil;
-  const fs::path dir = folder("run", {row("a", "soup", 0.1), worst, table_rows::refusal(evil, Status::failed, evil)});
+  Record failed = table_rows::refusal(evil, Status::failed, evil);
+  failed.suite = evil;
+  failed.lights.emplace_back().name = evil;
+  const fs::path dir = folder("run", {row("a", "soup", 0.1), worst, failed});
   const fs::path out = scratch_.path() / "site";
   fs::create_directories(out);
   if (assets().site.empty()) GTEST_SKIP() << "built without scripts";
