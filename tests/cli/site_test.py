@@ -26,11 +26,11 @@ class Site(ProgramTest):
         (folder / "records.jsonl").write_text("\n".join(lines) + "\n", encoding="utf-8")
         return folder
 
-    def submission(self, name, **fields):
-        folder = self.run_folder(name)
+    def submission(self, folder_name, **fields):
+        folder = self.run_folder(folder_name)
         sheet = {"schema": "gnomon-submission-1", "edition": {"name": "2027", "hash": "00"}, "division": "default", "name": "m", **fields}
         (folder / "submission.json").write_text(json.dumps(sheet), encoding="utf-8")
-        return name
+        return folder_name
 
     def refused(self, words, *arguments):
         """Bad input ends with status 2 and these words, and leaves nothing."""
