@@ -275,7 +275,7 @@ test("some 400 rows on three machines are at most 30 MB, and the first paint com
   const large = join(home, "large");
   const machines = ["One", "Two", "Three"].map((name, index) => machine(from, `large-${name}`, on(`Processor ${name}`, 1 + index / 10)));
   gnomon(["site", ...machines, "--out", large]);
-  const mostOfPictures = 9e6; // kept results have none; harness/report/site/pictures.cpp limits them to 8 MB and a picture
+  const mostOfPictures = 4.2e6; // kept results have none; harness/report/site/pictures.cpp limits them to 4 MB and a picture
   const bytes = files(large, "").reduce((sum, file) => sum + statSync(file).size, 0);
   assert.ok(bytes + mostOfPictures <= 30e6, String(bytes));
   for (const name of ["index.html", "suites/standard.html", "techniques/shadow_map.html", join("tables", readdirSync(join(large, "tables"))[0])]) {

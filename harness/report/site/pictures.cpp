@@ -16,7 +16,7 @@ namespace fs = std::filesystem;
 namespace {
 
 /// All pictures of a site: less than the 30 MB that it may be sent with.
-constexpr std::uintmax_t most_bytes = 8'000'000;
+constexpr std::uintmax_t most_bytes = 4'000'000;
 
 /// Width and height as the header of a PNG has them; nothing of another file.
 std::optional<std::pair<int, int>> png_size(const fs::path& file) {
