@@ -23,13 +23,13 @@ reference_error = 0.002
 reference_rays = 8192
 
 [[group]]
-scenes = ["plate", "fence:count=3"]
+scenes = ["plate", "fence"]
 lights = ["sun"]
 views = ["view"]
 techniques = ["unshadowed", "embree_rays"]
 
 [[group]]
-scenes = ["fence:count=3"]
+scenes = ["fence"]
 lights = ["sun"]
 views = ["view"]
 techniques = ["shadow_map"]
@@ -49,7 +49,8 @@ class Editions(ProgramTest):
         cls.root = cls.home / "root"
         for folder in ("bench/suites", "bench/editions", "scenes", "techniques"):
             (cls.root / folder).mkdir(parents=True)
-        (cls.root / "bench/suites/other.toml").write_text('[[group]]\nscenes = ["fence:count=3"]\nlights = ["sun"]\ntechniques = ["unshadowed"]\n')
+        (cls.root / "bench/suites/other.toml").write_text('[[group]]\nscenes = ["fence"]\nlights = ["sun"]\ntechniques = ["unshadowed"]\n')
+        (cls.root / "reproduce").symlink_to(ROOT / "harness/app/pack/reproduce")  # as an installed program has it
         cls.file = cls.root / "bench/editions/tiny.toml"
         cls.errata = cls.file.with_name("tiny.errata.toml")
         cls.plate = cls.root / "scenes/plate.toml"
@@ -147,7 +148,7 @@ class Editions(ProgramTest):
         self.refuse("run", "other", "--resume", *QUICK, "--out", "one", says=["one holds rows of edition tiny", "this run is of no edition"])
         two = self.run_tiny("two", *tuned)
         self.assertEqual({row["settings"] for row in records(two)}, {"resolution=512"})
-        self.assertEqual(sorted({row["scene"] for row in records(two)}), ["fence:count=3", "plate"])
+        self.assertEqual(sorted({row["scene"] for row in records(two)}), ["fence", "plate"])
         self.refuse("merge", "one", "two", "--out", "both", says=["one holds rows of edition tiny", "division tuned", "are not merged"])
         three = self.run_tiny("three", "--technique", "moment_map")
         self.succeed("merge", "one", three, "--out", "both")

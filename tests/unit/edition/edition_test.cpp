@@ -148,7 +148,8 @@ TEST(edition, what_leaves_rows_open_is_refused) {
 TEST(edition, unknown_keys_and_scored_training_scenes_are_refused) {
   expect_words(trouble_of("width = 32", "wide = 32"), {"suite has no key 'wide'", "small.toml:3"});
   expect_words(trouble_of("training = ", "trained = "), {"edition has no key 'trained'"});
-  expect_words(trouble_of("\"terrain\"]", "\"fence:count=3\"]"), {"edition.training = fence:count=3", "scores nothing"});
+  expect_words(trouble_of("\"terrain\"]", "\"fence:spacing=0.3\"]"),
+               {"edition.training = fence:spacing=0.3", "scores nothing"});
   const std::string own = "[edition]\ntraining = [\"soup:ground=false\", \"terrain\"]\n";
   const Folder misplaced(replaced(replaced(hand_written, own, ""), "[[group]]\n", own + "[[group]]\n"));
   SceneLibrary library;
