@@ -87,7 +87,8 @@ Json json_of(const Described& found) {
 void print(const Described& found, std::size_t width) {
   const Edition& edition = found.edition;
   const auto line = [&](const std::string& text) { fmt::print("{}", wrapped_line(printable(text, true), width)); };
-  line(fmt::format("edition {}: {}", edition.name, edition.title));
+  line(fmt::format("edition     {}", edition.name));
+  line(fmt::format("title       {}", edition.title));
   line(fmt::format("hash        {}", edition.hash));
   line(fmt::format("rows        {} at {}, {}x{} pixels, {} x {}", found.jobs.size(),
                    counted(places_of(found.jobs).size(), "place{s}"), edition.suite.width, edition.suite.height,

@@ -6,8 +6,8 @@ namespace gnomon {
 /// FOLDER/run.json: how the rows of a folder were made, so that they can be made again from it alone. {"schema":
 /// "gnomon-run-1", "runs": [...]}, one entry for each time that a program ran in the folder, in order: `command`, the words;
 /// `suite`, {"name", "text"}, null without a file; `scenes`, {"scene", "text", "lights", "views"} each, with the text of a TOML
-/// file and else null; `context`, the machine and the build; `changes`, how the tree of the build differed from its commit; of an
-/// edition `edition`, {"name", "hash", "division"}.
+/// file and else null; `context`, the machine and the build; `changes`, how the tree of the build differed from its commit; of
+/// an edition `edition`, {"name", "hash", "division"}.
 
 /// Adds the run that is about to start in options.out. Throws Error on a file that is there and is none of these.
 void add_to_run_file(const RunOptions& options, const Json& context, SceneLibrary& library, std::span<const Job> jobs);
