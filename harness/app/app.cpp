@@ -107,9 +107,9 @@ int run_program(int argc, char** argv) {
                               loaded_by([](const std::string& path) { load_program(path); }));
     if (const std::filesystem::path root = find_data_root(); !root.empty()) load_programs_of(root / "techniques");
     check_own_causes(registry().techniques());
-    for (auto* add : {add_list,    add_describe, add_check,  add_render,  add_run,    add_edition, add_tune, add_table,
-                      add_compare, add_merge,    add_report, add_analyze, add_figure, add_certify, add_docs, add_score,
-                      add_site,    add_export,   add_pack,   add_cache,   add_view,   add_worker})
+    for (auto* add : {add_list,    add_describe, add_check,  add_render,     add_run,    add_edition, add_tune,  add_table,
+                      add_compare, add_merge,    add_report, add_analyze,    add_figure, add_certify, add_docs,  add_score,
+                      add_site,    add_export,   add_pack,   add_submission, add_cache,  add_view,    add_worker})
       add(program);
     const int status = program.line.run(argc, argv);
     if (std::fflush(stdout) != 0) throw std::system_error(errno, std::generic_category());

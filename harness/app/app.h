@@ -35,6 +35,7 @@ void add_analyze(Program& program);
 void add_figure(Program& program);
 void add_export(Program& program);
 void add_pack(Program& program);
+void add_submission(Program& program);
 void add_certify(Program& program);
 void add_docs(Program& program);
 void add_score(Program& program);
