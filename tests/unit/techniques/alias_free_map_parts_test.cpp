@@ -124,9 +124,9 @@ TEST(AliasFreeMapParts, the_sides_of_a_shadow_never_contradict_exact_signs) {
     const LightSpaceFace& face = space[space.face_of(p)];
     const glm::dvec3 q = face.seen(p);
     const Shadow shadow = make_shadow(face, l, t.points, facing, 2 * norm1(q));
-    const auto at = [&](const Side& s) { return s.at(q.x, q.y, q.z); };
-    const bool outside = std::ranges::any_of(shadow.sides, [&](const Side& s) { return at(s) < 0; });
-    const bool inside = std::ranges::all_of(shadow.sides, [&](const Side& s) { return at(s) > 2 * s.error; });
+    const auto at = [&](const alias_free_map::Side& s) { return s.at(q.x, q.y, q.z); };
+    const bool outside = std::ranges::any_of(shadow.sides, [&](const alias_free_map::Side& s) { return at(s) < 0; });
+    const bool inside = std::ranges::all_of(shadow.sides, [&](const alias_free_map::Side& s) { return at(s) > 2 * s.error; });
     const Crossing crossing = crosses({p, l}, t);
     if (inside) {
       ASSERT_EQ(crossing, Crossing::crosses) << i;
