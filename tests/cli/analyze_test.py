@@ -146,6 +146,10 @@ class Analyze(ProgramTest):
             self.assertGreater(error, 0.01)
             for column, value in (("changed_share", error), ("difference_mean", error), ("difference_rms", error**0.5), ("difference_max", 1)):
                 self.assertAlmostEqual(float(row[column]), value, places=6)
+        table = json.loads(self.succeed("analyze", "run", "masks", "--format", "json"))
+        self.assertEqual((table["schema"], len(table["rows"]), len(table["rows"][0])), ("gnomon-table-1", 2, len(table["columns"])))
+        for kind, head in (("md", "| base |"), ("tex", "\\begin{tabular}"), ("terminal", "Masks against")):
+            self.assertIn(head, self.succeed("analyze", "run", "masks", "--format", kind))
         self.refuse("analyze", "run", "masks", "--filter", "unshadowed", says=["no two rows of one place have masks"])
         self.refuse("analyze", "run", "masks", "--error", "wrong_rate", says=["masks does not take it"])
         self.refuse("analyze", "run", "run", "masks", says=["masks are compared within one run, and run, run are given"])

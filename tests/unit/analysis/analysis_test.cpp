@@ -336,6 +336,7 @@ TEST(analyze, every_kind_speaks_every_format) {
     for (const std::string_view of : {seam_error_prefix, seam_share_prefix})
       records.back().metrics[Truth::shape][fmt::format("{}{}", of, bin)] = 0.125;
   for (const std::string& kind : analysis_kinds()) {
+    if (kind == "masks") continue;  // reads the files of a run: tests/cli/analyze_test.py has its formats
     AnalysisOptions options;
     if (kind == "sweep") options.x = "count";
     if (kind == "forecast") options.x = "triangles";

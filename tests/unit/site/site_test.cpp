@@ -24,6 +24,7 @@ class SiteTest : public testing::Test {
   static Record row(const std::string& technique, const std::string& scene, double error, const std::string& suite = "small") {
     Record r = table_rows::row(technique, 1, error, scene);
     r.suite = suite;
+    r.job += suite;
     r.lights.emplace_back().name = "point";
     r.times(Stage::relight) = {{1}, {2}, {3}, {2}, {1}};  // as many processes as resolve has
     return r;
