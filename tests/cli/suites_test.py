@@ -39,7 +39,8 @@ class Suites(ProgramTest):
             found = {kinds.get((scene.split(":")[0], light)) for scene, light, _ in rows} & {"rect", "disc", "sphere"}
             if found:
                 soft[suite] = found
-        self.assertEqual(set(soft), {"animation", "engines", "glass", "gpu", "memory", "quick", "radiosity", "soft", "soft_convergence", "soft_geometry", "soft_scale"})
+        self.assertEqual(set(soft), {"animation", "engines", "glass", "gpu", "memory", "questions", "quick", "radiosity", "soft",
+                                     "soft_convergence", "soft_geometry", "soft_scale"})
         self.assertEqual(soft["soft"], {"rect", "disc", "sphere"})
 
     def test_standard_has_every_technique_for_its_lights_and_more_scenes(self):

@@ -118,7 +118,7 @@ class Tune(ProgramTest):
     def test_of_a_large_grid_unsupported_settings_have_no_row(self):
         grid = "shadow_map:resolution={64,90,128,181,256},filter={nearest,revectorized},depth_bias=*,slope_bias=*,faces=*"
         text = self.tune("--technique", grid, "--scene", "fence", "--light", "point", "--error", "0.00001%", status=1)
-        self.assertRegex(text, r"\d+ unsupported evaluations, for example .*filter=revectorized.*a point light")
+        self.assertRegex(text, r"\d+ unsupported evaluations, for example .*filter=revectorized")
         for row in records(self.dir / "out"):
             self.assertEqual(row["status"], "ok", row["settings"])
 
