@@ -9,6 +9,7 @@
 #include "analysis/in_order.h"
 #include "measure/part_file.h"
 #include "measure/run/run_file.h"
+#include "measure/submission/submission.h"
 #include "report/site/slug.h"
 
 namespace gnomon::site {
@@ -17,9 +18,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr std::string_view submission_schema = "gnomon-submission-1";
 constexpr std::uintmax_t most_json_bytes = 1 << 20;
-constexpr std::string_view divisions[] = {"default", "tuned", "open"};
 
 /// What a folder says of itself beside its records.
 struct FolderFacts {
@@ -42,11 +41,6 @@ void read_edition(const Json& object, FolderFacts& facts) {
   if (const std::string division = text_at(*found, "division"); !division.empty()) facts.division = division;
 }
 
-bool is_machine_name(std::string_view name) {
-  const auto is_allowed = [](char c) { return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_' || c == '-'; };
-  return !name.empty() && name.size() <= 40 && std::ranges::all_of(name, is_allowed);
-}
-
 void read_submission(const fs::path& file, FolderFacts& facts) {
   const Json json = parse_if_json(small_file(file, most_json_bytes));
   if (!json.is_object()) throw Error("{} is no JSON object", file.string());
@@ -54,11 +48,12 @@ void read_submission(const fs::path& file, FolderFacts& facts) {
     throw Error("{} has schema '{}'; {} is read", file.string(), schema, submission_schema);
   facts.is_submission = true;
   facts.name = text_at(json, "name");
-  if (!is_machine_name(facts.name)) throw Error("{}: name '{}' is not 1 to 40 of a-z, 0-9, _ and -", file.string(), facts.name);
+  if (!is_submission_name(facts.name))
+    throw Error("{}: name '{}' is not 1 to 40 of a-z, 0-9, _ and -", file.string(), facts.name);
   read_edition(json, facts);
   facts.division = text_at(json, "division");
   if (facts.edition_name.empty()) throw Error("{} names no edition", file.string());
-  if (std::ranges::find(divisions, facts.division) == std::end(divisions))
+  if (std::ranges::find(division_names, facts.division) == std::end(division_names))
     throw Error("{}: division '{}' is none of: default, tuned, open", file.string(), facts.division);
   if (const auto system = json.find("system"); system != json.end() && system->is_object()) facts.system = *system;
   facts.tuning = text_at(json, "tuning");
