@@ -107,16 +107,22 @@ void print(const Described& found, std::size_t width) {
                                  : fmt::format("this program, {}, does not give this edition", build_text()));
 }
 
+/// One that cannot be read is in the table with its reason, beside the others; then 2 is returned.
 int print_all(const EditionCommand& options) {
+  int status = 0;
   Json list = Json::array();
   TextTable table({{"edition", ""}, {"hash", ""}, {"what it is", ""}});
-  for (const std::string& name : edition_names()) {
-    const Edition edition = read_edition(name);
-    list.push_back(json_object({{"name", edition.name}, {"hash", edition.hash}, {"title", edition.title}}));
-    table.add_row({edition.name, edition.hash, edition.title});
-  }
+  for (const std::string& name : edition_names()) try {
+      const Edition edition = read_edition(name);
+      list.push_back(json_object({{"name", edition.name}, {"hash", edition.hash}, {"title", edition.title}}));
+      table.add_row({edition.name, edition.hash, edition.title});
+    } catch (const Error& error) {
+      list.push_back(json_object({{"name", name}, {"reason", error.what()}}));
+      table.add_row({name, "", fmt::format("cannot be read: {}", error.what())});
+      status = 2;
+    }
   fmt::print("{}", options.json ? json_text(list, 2) + "\n" : table.text(options.width.columns()));
-  return 0;
+  return status;
 }
 
 /// Writes the frozen part of the file. One that is frozen may not become another.

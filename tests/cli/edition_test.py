@@ -93,6 +93,15 @@ class Editions(ProgramTest):
         self.refuse("edition", "tiny", "--freeze", says=["frozen and would become another one"])
         self.file.write_text(self.frozen.replace("width = 32", "wide = 32"))
         self.refuse("run", "--edition", "tiny", *QUICK, "--out", "out", says=["suite has no key 'wide'"])
+        other = self.file.with_name("whole.toml")
+        other.write_text(TINY)
+        try:
+            self.succeed("edition", "whole", "--freeze")
+            listed = {edition["name"]: edition for edition in json.loads(self.succeed("edition", "--json", status=2))}
+            self.assertIn("suite has no key 'wide'", listed["tiny"]["reason"])
+            self.assertRegex(listed["whole"]["hash"], "^[0-9a-f]{16}$")
+        finally:
+            other.unlink()
         self.file.write_text(TINY)
         self.refuse("run", "--edition", "tiny", *QUICK, "--out", "out", says=["is not frozen"])
         self.assertFalse((self.dir / "out").exists())
@@ -203,6 +212,9 @@ class Editions(ProgramTest):
         said = self.check(status=1)
         self.assertRegex(said, r"(?m)^plate sun unshadowed: metrics.shape.error ")
         self.assertRegex(said, r"1 difference; 1 row drawn by another .*, 1 row left out for an erratum, 3 rows measured again\n$")
+        self.succeed("site", "kept", "--out", "site", "--no-docs")
+        page = "".join(path.read_text(encoding="utf-8") for path in (self.dir / "site/suites").glob("*.html"))
+        self.assertIn("<li><code>unshadowed</code> (<code>^fence</code>), from version 0.0.1: R.</li>", page)
 
         rows = records(kept)
         (kept / "records.jsonl").write_text("".join(json.dumps(row) + "\n" for row in rows[1:]))

@@ -1,5 +1,6 @@
 // A page for each suite or edition: its entries, and every setting over all places, machine beside machine.
 #include "analysis/in_order.h"
+#include "measure/edition/edition.h"
 #include "report/html/html_parts.h"
 #include "report/site/site_parts.h"
 
@@ -70,6 +71,21 @@ std::string overall_html(const Pages& pages, const std::string& from, const std:
   return html;
 }
 
+/// What this program knows of an edition with one of the hashes: the errata, each with all that it says.
+std::string errata_html(const std::string& suite, std::span<const std::string> hashes) {
+  std::string html;
+  for (const std::string& name : edition_names()) {
+    if (suite != "edition " + name) continue;
+    const Edition edition = read_edition(name);
+    if (std::ranges::find(hashes, edition.hash) == hashes.end()) continue;
+    for (const Erratum& erratum : edition.errata)
+      html += fmt::format("<li><code>{}</code>{}, from version {}: {}</li>\n", html_text(erratum.technique),
+                          erratum.rows.empty() ? "" : fmt::format(" (<code>{}</code>)", html_text(erratum.rows)),
+                          html_text(erratum.version), html_text(erratum.reason));
+  }
+  return html.empty() ? "" : section_html("errata", "Errata", fmt::format("<ul>\n{}</ul>\n", html));
+}
+
 void add_suite(Pages& pages, const std::string& suite) {
   const std::vector<const Entry*> entries = pages.entries_of(suite);
   const Entry& first = *entries.front();
@@ -92,7 +108,8 @@ void add_suite(Pages& pages, const std::string& suite) {
                             section_html("overall", "Over all places", overall_html(pages, path, suite)) +
                             section_html("fronts", "Error against time",
                                          paragraph("The plots of each table join the settings that no other beats in both:") +
-                                             fmt::format("<ul>\n{}</ul>\n", fronts))});
+                                             fmt::format("<ul>\n{}</ul>\n", fronts)) +
+                            errata_html(suite, hashes)});
   pages.folder.index(path, suite, "suite");
 }
 
