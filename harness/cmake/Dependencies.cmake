@@ -1,6 +1,9 @@
 # Every library that Gnomon needs, found once; installed, so that find_package(gnomon) finds the same ones. What is missing
 # goes into GNOMON_MISSING as one clear message that names all of it.
 set(GNOMON_MISSING "")
+if(POLICY CMP0167)  # from CMake 3.30 on: Boost is found by the file that it installs itself
+  cmake_policy(SET CMP0167 NEW)
+endif()
 macro(gnomon_need package debian)
   find_package(${package} ${ARGN} QUIET)
   if(NOT ${package}_FOUND)
