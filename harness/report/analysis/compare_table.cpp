@@ -26,18 +26,20 @@ std::string ratio_text(const StageChange& stage) {
   return stage.verdict == Verdict::not_judged ? rounded(stage.ratio->value, 3) : interval_text(*stage.ratio);
 }
 
-/// Base, contender and their difference, with as many digits as it takes to distinguish them.
+/// Base, contender and their difference with the metric's unit, with as many digits as it takes to distinguish them.
 std::array<std::string, 3> metric_texts(const MetricChange& change) {
   const auto infos = metric_infos();
   const auto info = std::ranges::find(infos, change.metric, &MetricInfo::name);
   const bool is_share = info != infos.end() && info->unit.empty();
   const double scale = is_share ? 100 : 1;
-  const std::string unit = is_share ? " %" : "";
+  const std::string unit = is_share ? " %" : info != infos.end() ? fmt::format(" {}", info->unit) : "";
   const auto text = [&](std::optional<double> value, auto round) { return value ? round(scale * *value) + unit : "-"; };
   std::string base = text(change.base, measured), contender = text(change.contender, measured);
-  if (base == contender) {
-    base = text(change.base, exact);
-    contender = text(change.contender, exact);
+  constexpr int most_digits = 17;  // of a double
+  for (int digits = 3; base == contender && digits <= most_digits; ++digits) {
+    const auto round = [&](double value) { return rounded(value, digits); };
+    base = text(change.base, round);
+    contender = text(change.contender, round);
   }
   std::string difference = "-";
   if (change.base && change.contender) {

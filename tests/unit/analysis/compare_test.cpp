@@ -340,6 +340,14 @@ TEST(compare_table, people_see_what_differs_and_programs_everything) {
   EXPECT_THROW(render_comparison(comparison, Format::latex, options), Error);
 }
 
+TEST(compare_table, numbers_have_the_digits_that_tell_them_apart_and_a_unit) {
+  std::vector<Record> base = run(), contender = run();
+  base[5].metrics[Truth::shape]["displacement_mean"] = 0.018221485499772407;
+  contender[5].metrics[Truth::shape]["displacement_mean"] = 0.017893087049536047;
+  const std::string text = render_comparison(compare(base, contender), Format::markdown, {"before", "after"});
+  EXPECT_NE(text.find("| 0.0182 px | 0.0179 px | -0.00033 px |"), std::string::npos) << text;
+}
+
 TEST(enough, interval_of_relight_and_resolve_decides) {
   // Five processes one percent apart: the interval runs from the least to the greatest, 4 % of the time, and a little more.
   Record r = record("a");
