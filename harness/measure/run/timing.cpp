@@ -16,10 +16,7 @@ class RawReporter final : public benchmark::BenchmarkReporter {
   void ReportRuns(const std::vector<Run>& runs) override {
     for (const Run& run : runs) {
       TimingTask& task = tasks_.at(std::stoul(run.run_name.function_name));
-      if (run.error_occurred)
-        task.failure = run.error_message;
-      else if (run.run_type == Run::RT_Iteration)
-        task.samples.push_back(run.GetAdjustedRealTime());
+      if (task.failure.empty() && run.run_type == Run::RT_Iteration) task.samples.push_back(run.GetAdjustedRealTime());
     }
   }
 
