@@ -105,6 +105,10 @@ Check one_of(std::vector<std::string> words) {
 
 CLI::Option* Command::option(std::string_view names, OptionTarget target, std::string_view description,
                              const OptionRules& rules) {
+  // CLI11 of some versions takes "technique" and "--technique" for one name.
+  for (const CLI::Option* const other : command_->get_options())
+    if (other->get_single_name() == names.substr(std::min(names.find_first_not_of('-'), names.size())))
+      throw Error("command {} has '{}' twice", command_->get_name(), names);
   // CLI11 reads an empty text as 0.
   const CLI::Validator is_not_empty(
       [](const std::string& text) { return std::string(text.empty() ? "a number is wanted" : ""); }, "");

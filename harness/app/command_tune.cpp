@@ -199,7 +199,7 @@ void add_tune(Program& program) {
   auto [command, options] = program.line.command<TuneOptions>(
       "tune", "The cheapest setting that keeps limits at every place, or the one that errs least",
       [&program](TuneOptions& read, const Command& given) { return tune(read, given, program); });
-  command.option("technique", &options.technique, "ID: all of its parameters; as --technique ID:*");
+  command.option("id", &options.technique, "ID: all of its parameters; as --technique ID:*");
   command.option("--technique", &options.techniques,
                  "ID:param=*,...: its levels; {a,b}: these; else one value. Again for another technique", {.delimiter = ';'});
   command.option("--scene", &options.scenes, "Scene ids or files");
