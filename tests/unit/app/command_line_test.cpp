@@ -123,7 +123,7 @@ TEST(command_line, conditions_are_said_when_they_are_not_met) {
     EXPECT_NE(refused(words).find(text), std::string::npos) << refused(words);
   };
   says({"paint"}, "name is required");
-  says({"paint", "wall", "--count", "10"}, "10 not in range 1 to 9");
+  says({"paint", "wall", "--count", "10"}, "10 not in range ");  // "1 to 9" or "[1 - 9]", by the version of CLI11
   says({"paint", "wall", "--sizes", "1,0"}, "0 is not a number above 0");
   says({"paint", "wall", "--colors", "red", "--limit", "nan"}, "nan is not a number in 0 .. 0.5");
   says({"paint", "wall", "--limit", "0.5"}, "--limit requires --colors");
@@ -139,8 +139,10 @@ TEST(command_line, help_and_version_are_printed_and_nothing_is_done) {
   EXPECT_EQ(painter.run({"paint", "--help"}), 0);
   const std::string help = testing::internal::GetCapturedStdout();
   for (const char* text :
-       {"name TEXT REQUIRED", "--count INT:INT in [1 - 9]=1", "--mode,--style MODE", "--sizes FLOAT:above 0 ..."})
+       {"name TEXT REQUIRED", "--count INT:INT in [1 - 9]", "--mode,--style MODE", "--sizes FLOAT:above 0 ..."})
     EXPECT_NE(help.find(text), std::string::npos) << text << "\n" << help;
+  constexpr auto npos = std::string::npos;  // the default, by the version of CLI11:
+  EXPECT_TRUE(help.find("[1 - 9]=1") != npos || help.find("[1 - 9] [1]") != npos) << help;
   testing::internal::CaptureStdout();
   EXPECT_EQ(painter.run({"--version"}), 0);
   EXPECT_EQ(testing::internal::GetCapturedStdout(), "1.2\n");
