@@ -104,17 +104,23 @@ void find_sections(cmark_node* root, RenderedPage& page) {
   }
 }
 
-std::string replaced_all(std::string text, std::string_view what, std::string_view by) {
-  for (std::size_t at = 0; (at = text.find(what, at)) != text.npos; at += by.size()) text.replace(at, what.size(), by);
-  return text;
+std::string replaced_all(std::string_view text, std::string_view what, std::string_view by) {
+  std::string replaced;
+  for (std::size_t at; (at = text.find(what)) != text.npos; text.remove_prefix(at + what.size()))
+    replaced.append(text.substr(0, at)).append(by);
+  return replaced.append(text);
 }
 
-/// `<table>` and `<pre>` come from the library alone: those of the text are written with `&lt;`.
-std::string with_scrolling(std::string html) {
-  html = replaced_all(std::move(html), "<table>", "<div class=\"wide\" tabindex=\"0\"><table>");
-  html = replaced_all(std::move(html), "</table>", "</table></div>");
-  html = replaced_all(std::move(html), "<th></th>", "<td></td>");
-  html = replaced_all(std::move(html), "<pre>", "<pre tabindex=\"0\">");
+/// What is wide scrolls, and cells of long tables are short: a cell ends where the next one or its row does. `<table>`, `<td>`
+/// and
+/// `<pre>` come from the library alone: those of the text are written with `&lt;`.
+std::string for_site(std::string html) {
+  html = replaced_all(html, "<table>", "<div class=\"wide\" tabindex=\"0\"><table>");
+  html = replaced_all(html, "</table>", "</table></div>");
+  html = replaced_all(html, "<th></th>", "<td></td>");
+  html = replaced_all(html, "<td align=\"right\">", "<td class=r>");
+  html = replaced_all(html, "</td>\n", "");
+  html = replaced_all(html, "<pre>", "<pre tabindex=\"0\">");
   return html;
 }
 
@@ -142,7 +148,7 @@ RenderedPage render_markdown(std::string_view text, const LinkOf& link) {
   find_sections(document.get(), page);
   const std::unique_ptr<char, decltype(&std::free)> html(cmark_render_html(document.get(), CMARK_OPT_DEFAULT, nullptr),
                                                          std::free);
-  page.html = with_scrolling(html.get());
+  page.html = for_site(html.get());
   return page;
 }
 
