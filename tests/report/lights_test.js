@@ -90,6 +90,7 @@ test("the legend says the error of all together, and none of one light's", async
   const pictures = page.locator("#pictures");
   await pictures.locator("select[name=picture]").selectOption({ label: "lamps.toml \u00b7 all+" });
   await pictures.locator("select[name=a]").selectOption({ label: "unshadowed" });
+  await settled(page); // the modes of the picture that was chosen are there
   await choose(page, "error");
   await settled(page);
   const legend = pictures.locator('ul[aria-label="Colors of the picture"]');
