@@ -54,9 +54,9 @@ add_custom_command(OUTPUT ${page_dir}/page.cpp
   COMMAND ${GNOMON_NODE} ${web}/bundle.js ${page_dir}/node_modules ${page_dir}/page.cpp
   DEPENDS ${web_files} ${stamp}
   COMMENT "Bundling the report's page" VERBATIM)
-file(GLOB site_files CONFIGURE_DEPENDS ${site_web}/*.js ${site_web}/*.css)
+file(GLOB site_files CONFIGURE_DEPENDS ${site_web}/*.js ${site_web}/*.mjs ${site_web}/*.css)
 add_custom_command(OUTPUT ${page_dir}/site.cpp
-  COMMAND ${GNOMON_NODE} ${site_web}/bundle.js ${page_dir}/node_modules ${page_dir}/site.cpp
+  COMMAND ${GNOMON_NODE} ${site_web}/bundle.mjs ${page_dir}/node_modules ${page_dir}/site.cpp
   DEPENDS ${site_files} ${web_files} ${stamp}
   COMMENT "Bundling the scripts of the site" VERBATIM)
 target_sources(gnomon_report PRIVATE ${page_dir}/page.cpp ${page_dir}/site.cpp)

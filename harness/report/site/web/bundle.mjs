@@ -1,6 +1,6 @@
 // Makes the scripts and the style of a site from the modules of this folder, and writes them as a C++ source file.
 //
-// usage: node bundle.js NODE_MODULES OUT.cpp
+// usage: node bundle.mjs NODE_MODULES OUT.cpp
 
 import { writeFileSync } from "node:fs";
 import { dirname, join, resolve } from "node:path";
@@ -16,6 +16,6 @@ const arrays = Object.entries(entries).map(([name, file]) => `constexpr char ${n
 const views = Object.keys(entries).map((name) => `{${name}, sizeof ${name} - 1}`);
 writeFileSync(
   out,
-  `// Made from harness/report/site/web by its bundle.js.\n#include "report/site/page.h"\n\nnamespace gnomon::site {\n\n` +
+  `// Made from harness/report/site/web by its bundle.mjs.\n#include "report/site/page.h"\n\nnamespace gnomon::site {\n\n` +
     `namespace {\n${arrays.join("\n")}}  // namespace\n\nAssets assets() { return {${views.join(", ")}}; }\n\n}  // namespace gnomon::site\n`,
 );
