@@ -5,6 +5,7 @@
 
 #include <CLI/CLI.hpp>
 #include <cmath>
+#include <ranges>
 
 #include "analysis/analysis.h"
 
@@ -103,12 +104,25 @@ Check one_of(std::vector<std::string> words) {
   return {error, range};
 }
 
+namespace {
+
+/// Throws Error where the command has one of these names ("--mode,--style"): CLI11 of some versions takes "technique" and
+/// "--technique" for one.
+void require_new(const CLI::App& command, std::string_view names) {
+  for (const auto part : std::views::split(names, ',')) {
+    std::string_view name(part.begin(), part.end());
+    name.remove_prefix(std::min(name.find_first_not_of('-'), name.size()));
+    for (const CLI::Option* const other : command.get_options())
+      if (other->check_lname(std::string(name)) || other->check_sname(std::string(name)) || other->get_single_name() == name)
+        throw Error("command {} has '{}' twice", command.get_name(), name);
+  }
+}
+
+}  // namespace
+
 CLI::Option* Command::option(std::string_view names, OptionTarget target, std::string_view description,
                              const OptionRules& rules) {
-  // CLI11 of some versions takes "technique" and "--technique" for one name.
-  for (const CLI::Option* const other : command_->get_options())
-    if (other->get_single_name() == names.substr(std::min(names.find_first_not_of('-'), names.size())))
-      throw Error("command {} has '{}' twice", command_->get_name(), names);
+  require_new(*command_, names);
   // CLI11 reads an empty text as 0.
   const CLI::Validator is_not_empty(
       [](const std::string& text) { return std::string(text.empty() ? "a number is wanted" : ""); }, "");
@@ -131,6 +145,7 @@ CLI::Option* Command::option(std::string_view names, OptionTarget target, std::s
 }
 
 CLI::Option* Command::flag(std::string_view names, bool* target, std::string_view description, CLI::Option* needs) {
+  require_new(*command_, names);
   CLI::Option* const flag = command_->add_flag(std::string(names), *target, std::string(description));
   if (needs) flag->needs(needs);
   return flag;

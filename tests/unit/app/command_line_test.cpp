@@ -133,6 +133,17 @@ TEST(command_line, conditions_are_said_when_they_are_not_met) {
   EXPECT_EQ(seconds().error("86401"), "86401 is not a number of seconds above 0, at most 86400");
 }
 
+TEST(command_line, a_name_is_there_once_with_dashes_or_without) {
+  CommandLine line("Paints things", "painter", "1.2");
+  auto [paint, options] = line.command<Words>("paint", "Paints", [](const Words&) { return 0; });
+  paint.option("name", &options.name);
+  paint.option("--mode,--style", &options.mode);
+  EXPECT_THROW(paint.option("--name", &options.file), Error);
+  EXPECT_THROW(paint.option("style", &options.file), Error);
+  EXPECT_THROW(paint.flag("--loud,--mode", &options.is_loud, ""), Error);
+  paint.flag("--loud", &options.is_loud, "");
+}
+
 TEST(command_line, help_and_version_are_printed_and_nothing_is_done) {
   Painter painter;
   testing::internal::CaptureStdout();
