@@ -72,6 +72,10 @@ class Agreement(ProgramTest):
         self.traced["status"] = "failed"
         self.assertIn("status ok -> failed", self.agrees(status=1))
 
+    def test_a_drawn_row_that_has_no_support_any_more_does_not_agree(self):
+        self.drawn.update(status="unsupported", gl=None)
+        self.assertIn("status ok -> unsupported", self.agrees(status=1))
+
     def test_another_renderer_is_told_and_not_judged(self):
         self.drawn["metrics"]["shape"]["error"] *= 2
         self.drawn["context"]["gl_renderer"] = "a card"

@@ -1,6 +1,8 @@
 #!/usr/bin/python3 -IB
 """scripts/stale_results: kept results beside the suite and the program as they are now."""
 
+import importlib.machinery
+import importlib.util
 import json
 import subprocess
 import sys
@@ -54,6 +56,16 @@ class Stale(ProgramTest):
             self.assertIn(f"\n{words}", "\n" + text)
         self.assertRegex(text, r"1 row drawn by another OpenGL then, 5 rows measured again")
         self.assertEqual(text.count("->"), 1, text)
+
+    def test_a_drawn_row_that_has_no_support_any_more_is_stale_but_for_one_by_vulkan(self):
+        loader = importlib.machinery.SourceFileLoader("stale_results", str(ROOT / "scripts/stale_results"))
+        stale = importlib.util.module_from_spec(importlib.util.spec_from_loader(loader.name, loader))
+        loader.exec_module(stale)
+        row = {"settings": "", "status": "ok", "context": {"gl_renderer": "llvmpipe", "gl_version": "4.5", "processor": "P"}}
+        again = {"settings": "", "status": "unsupported", "context": {"gl_renderer": None, "processor": "P"}}
+        self.assertEqual(stale.compared(row, again), (["measured again"], ["status ok -> unsupported"]))
+        row["context"]["gl_version"] = "Vulkan 1.4"
+        self.assertEqual(stale.compared(row, again), (["by Vulkan with rays, which is not here"], []))
 
     def test_a_suite_that_is_gone_is_named(self):
         (self.kept / "quick").rename(self.kept / "bygone")
