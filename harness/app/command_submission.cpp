@@ -142,8 +142,9 @@ int check_one(const Submission& submission, const SubmissionOptions& options, co
   verdict.add(again.faults, again.notes);
   const std::string counts = fmt::format(
       "{} scored from their masks; run again: {} the same to the last digit, {} within what another renderer may do, "
-      "{} not repeated",
-      counted(masks.rows, "row{s}"), again.equal, again.within, again.not_repeated);
+      "{} not repeated{}",
+      counted(masks.rows, "row{s}"), again.equal, again.within, again.not_repeated,
+      again.unable > 0 ? fmt::format("; {} cannot be repeated here", counted(again.unable, "row{s}")) : "");
   if (verdict.is_wrong()) return verdict.refused("; " + counts);
   verdict.say("accepted: " + counts);
   return 0;
@@ -221,8 +222,11 @@ int make_submission(const SubmissionOptions& options, const Program& program) {
   std::error_code code;
   fs::rename(folder, target, code);
   if (code) throw Error("{} cannot be written: {}", options.out.string(), code.message());
-  fmt::print("{}: edition {}, division {}, {}\ncheck it: gnomon submission check {}\n", options.out.string(), edition.name,
+  fmt::print("{}: edition {}, division {}, {}\ncheck it: gnomon submission check {}", options.out.string(), edition.name,
              name(made.facts.division), counted(made.records.size(), "row{s}"), options.out.string());
+  for (const std::string& file : program.plugins)
+    fmt::print(" {} {}", file.ends_with(".toml") ? "--program" : "--plugin", file);
+  fmt::print("\n");
   return 0;
 }
 

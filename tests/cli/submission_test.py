@@ -144,6 +144,7 @@ class Submissions(ProgramTest):
 
     def test_a_submission_is_accepted_and_says_what_was_looked_at(self):
         self.assertIn("edition small, division default, 12 rows", self.said)
+        self.assertRegex(self.said, r"(?m)^check it: gnomon submission check \S+$")
         self.assertEqual(self.names(self.made), sorted(["README.md", "records.jsonl", "run.json", "submission.json", "table.md",
                                                         *(row["mask"] for row in records(self.made))]))
         said = self.check(self.made, status=0)

@@ -134,8 +134,10 @@ RepeatSummary repeat_rows(const Submission& submission, const Edition& edition, 
   Faults obstacles;
   const auto may = [&](const Record& record) {
     const std::string why = obstacle(record);
-    if (!why.empty()) obstacles.add("cannot be repeated: " + why, record);
-    return why.empty();
+    if (why.empty()) return true;
+    ++summary.unable;
+    obstacles.add("cannot be repeated: " + why, record);
+    return false;
   };
   std::vector<Job> jobs;
   for (const std::size_t k : drawn_rows(submission.records, options.rows, options.seed, may)) {

@@ -14,6 +14,7 @@ struct RepeatSummary {
   std::size_t equal = 0;         ///< rows that came out the same to the last digit
   std::size_t within = 0;        ///< drawn by another renderer, with masks within what drivers may do otherwise
   std::size_t not_repeated = 0;  ///< by another renderer, and further apart; or changed by an erratum
+  std::size_t unable = 0;        ///< that nothing here can repeat: failed, or of code that is not here
   std::vector<std::string> faults, notes;
 };
 

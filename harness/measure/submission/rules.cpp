@@ -69,6 +69,11 @@ void check_codes(const Submission& submission, Faults& faults) {
 
 }  // namespace
 
+void Faults::add(const std::string& what) {
+  const decltype(lines_)::value_type line(what, {});
+  if (std::ranges::find(lines_, line) == lines_.end()) lines_.push_back(line);
+}
+
 void Faults::add(const std::string& what, const Record& row) {
   const auto known = std::ranges::find_if(lines_, [&](const auto& line) { return line.first == what && !line.second.empty(); });
   if (known == lines_.end())

@@ -9,7 +9,8 @@ namespace gnomon {
 /// Lines of faults. What several rows have in common is one line, with the first row that has it.
 class Faults {
  public:
-  void add(std::string what) { lines_.emplace_back(std::move(what), std::vector<std::string>()); }
+  /// Of a line that is there already it adds nothing.
+  void add(const std::string& what);
   void add(const std::string& what, const Record& row);
   std::vector<std::string> lines() const;
 

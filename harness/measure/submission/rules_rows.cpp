@@ -205,9 +205,9 @@ class RowRules {
     const std::optional<bool> is_nothing = nothing_(contender, group);
     if (!is_nothing)
       notes_.add(
-          fmt::format("{} lacks rows of group {} of the edition, and is not here to be asked whether it supports any: name it "
-                      "by --plugin or --program",
-                      contender.name(), group + 1));
+          fmt::format("{} has no row at some places of the edition, and is not here to be asked what it supports: name it by "
+                      "--plugin or --program",
+                      contender.name()));
     return is_nothing == false;
   }
 

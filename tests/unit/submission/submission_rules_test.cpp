@@ -48,7 +48,7 @@ TEST(submission_rules, a_group_may_be_missing_where_the_technique_supports_nothi
   for (const Job& job : world.places[0]) world.add(world.row(job, contender("mine")));
   const RowFaults unknown = world.rows();
   EXPECT_EQ(all(unknown.faults), "");
-  expect_one(unknown.notes, "mine lacks rows of group 2 of the edition, and is not here");
+  expect_one(unknown.notes, "mine has no row at some places of the edition, and is not here");
   EXPECT_EQ(all(world.rows([](const Contender&, std::size_t) { return true; }).notes), "");
   expect_one(world.rows([](const Contender&, std::size_t) { return false; }).faults,
              "1 row of the edition is missing: soup sun mine");
