@@ -112,8 +112,7 @@ std::string replaced_all(std::string_view text, std::string_view what, std::stri
 }
 
 /// What is wide scrolls, and cells of long tables are short: a cell ends where the next one or its row does. `<table>`, `<td>`
-/// and
-/// `<pre>` come from the library alone: those of the text are written with `&lt;`.
+/// and `<pre>` come from the library alone: those of the text are written with `&lt;`.
 std::string for_site(std::string html) {
   html = replaced_all(html, "<table>", "<div class=\"wide\" tabindex=\"0\"><table>");
   html = replaced_all(html, "</table>", "</table></div>");
