@@ -1,17 +1,22 @@
 # Techniques that are programs of their own: techniques/ID.toml, with its files in techniques/ID.
 option(GNOMON_ENGINES "Build the renderers of engines whose libraries are there" ON)
 
-# gnomon_add_renderer(ID modules...): the program gnomon_ID beside `gnomon`, between an engine's library and its adapter in
-# Python, of the .cpp files in techniques/ID. Modules are pkg-config's; where one is missing, the technique says what to install.
+# gnomon_add_renderer(ID libraries...): the program gnomon_ID beside `gnomon`, between an engine's library and its adapter in
+# Python, of the .cpp files in techniques/ID. Libraries are targets; where one is missing, the technique says what to install.
 # No package has it: it would need the engine. `cmake --install BUILD --component engines` installs it.
 function(gnomon_add_renderer id)
-  pkg_check_modules(${id} QUIET IMPORTED_TARGET ${ARGN})
-  if(NOT ${id}_FOUND OR NOT GNOMON_ENGINES OR GNOMON_SANITIZE)
+  file(GLOB sources CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/techniques/${id}/*.cpp")
+  if(NOT sources OR NOT GNOMON_ENGINES OR GNOMON_SANITIZE)
     return()
   endif()
-  file(GLOB sources CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/techniques/${id}/*.cpp")
+  foreach(library IN LISTS ARGN)
+    if(NOT TARGET ${library})
+      return()
+    endif()
+  endforeach()
   add_executable(gnomon_${id} ${sources})
-  target_link_libraries(gnomon_${id} PRIVATE PkgConfig::${id} nlohmann_json::nlohmann_json)
+  target_compile_definitions(gnomon_${id} PRIVATE ENGINE_VERSION="${${id}_VERSION}")
+  target_link_libraries(gnomon_${id} PRIVATE ${ARGN} nlohmann_json::nlohmann_json)
   install(TARGETS gnomon_${id} COMPONENT engines EXCLUDE_FROM_ALL)
 endfunction()
 

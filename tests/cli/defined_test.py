@@ -12,6 +12,7 @@ from program import NUMBERS, PATIENCE, ProgramTest, records, scene_toml, small_m
 VIEW = '[[view]]\nname = "eye"\neye = [0, 5, 9]\ntarget = [0, 0, 0]\n'
 FLOOR = '[[shape]]\nkind = "plane"\ncenter = [0, 0, 0]\nnormal = [0, 1, 0]\nsize = [8, 8]\n'
 BOX = '[[shape]]\nkind = "box"\nmin = [-1, 0.5, -1]\nmax = [1, 1.5, 1]\n'
+SUN = '[[light]]\nname = "sun"\nkind = "directional"\ndirection = [-1, -4, -1]\n'
 SILENT = BOX + "casts = false\n"
 
 
@@ -52,9 +53,9 @@ class Defined(ProgramTest):
         self.assertLess(rows["on_floor", "unshadowed"]["classes"]["T"], inside["classes"]["T"])
 
     def test_scenes_without_casters_are_lit(self):
-        rows = self.run_all("silent", scene_toml(point("lamp", [1, 4, 1]), VIEW, FLOOR.replace("size", "casts = false\nsize") + SILENT))
+        rows = self.run_all("silent", scene_toml(point("lamp", [1, 4, 1]) + SUN, VIEW, FLOOR.replace("size", "casts = false\nsize") + SILENT))
         for (light, technique), row in rows.items():
-            with self.subTest(technique):
+            with self.subTest(f"{technique} {light}"):
                 if row["status"] == "ok":
                     self.assertEqual(row["metrics"]["shape"]["wrong_rate"], 0)
         self.assertGreater(rows["lamp", "unshadowed"]["classes"]["T"], 1000)

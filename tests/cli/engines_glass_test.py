@@ -49,7 +49,7 @@ eye = [1, 5, 4]
 target = [0, 0, 0]
 fov_y_degrees = 45
 """
-OTHERS = ("babylon_js", "eevee", "godot", "ogre", "open_scene_graph", "playcanvas", "three_js")
+OTHERS = ("babylon_js", "eevee", "filament", "godot", "ogre", "open_scene_graph", "playcanvas", "three_js")
 
 
 def gray_png(rows):

@@ -10,7 +10,7 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 from program import GONE, HUNG, NUMBERS, PROGRAM_SHEET, ProgramTest, records, wait_until  # noqa: E402
 
-ENGINES = ("babylon_js", "cycles", "eevee", "godot", "ogre", "open_scene_graph", "playcanvas", "pov_ray", "three_js")
+ENGINES = ("babylon_js", "cycles", "eevee", "filament", "godot", "ogre", "open_scene_graph", "playcanvas", "pov_ray", "three_js")
 # What each of these prints says who it is, as the true ones do.
 POV_RAY = """#!/bin/bash
 echo $$ >>"$GNOMON_FAKE_PLACE/pids"
