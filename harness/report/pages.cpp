@@ -88,7 +88,8 @@ bool is_stale(const fs::path& file, const std::string& text) { return !fs::exist
 
 std::string technique_page(const TechniqueEntry& entry) {
   const About& about = entry.about;
-  std::string page = generated_header(fmt::format("techniques/{}.cpp", entry.id));
+  std::string page =
+      generated_header(fmt::format("techniques/{}.{}", entry.id, entry.origin.ends_with(".toml") ? "toml" : "cpp"));
   page += fmt::format("# {}\n\n{}\n\n", markdown_text(about.title), markdown_text(about.summary));
   page += "| | |\n| --- | --- |\n";
   const auto fact = [&page](std::string_view topic, const std::string& text) {
