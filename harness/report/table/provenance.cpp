@@ -42,6 +42,26 @@ std::string mixed_programs(std::span<const Record> records) {
   return texts.empty() ? "" : fmt::format("rows of several programs may not be comparable: {}", joined(texts, ", "));
 }
 
+// A row's own work is at most a thread a core and a helper or two: what an engine in a browser has, with its processes, is 2
+// more.
+constexpr double own_load = 3;
+
+/// How many rows began beside other work.
+std::string busy_rows(std::span<const Record> records) {
+  std::size_t busy = 0;
+  double most = 0;
+  for (const Record& r : records) {
+    const auto load = r.context.find("load_average"), cores = r.context.find("cores");
+    if (load == r.context.end() || cores == r.context.end() || !load->is_number() || !cores->is_number()) continue;
+    if (load->get<double>() <= cores->get<double>() + own_load) continue;
+    ++busy;
+    most = std::max(most, load->get<double>());
+  }
+  if (busy == 0) return "";
+  return fmt::format("{} row{} began at a load average of up to {:.1f}: other work ran beside, and times are longer for it",
+                     busy, busy == 1 ? "" : "s", most);
+}
+
 }  // namespace
 
 Remarks provenance(std::span<const Record> records) {
@@ -52,6 +72,7 @@ Remarks provenance(std::span<const Record> records) {
   add("renderer", joined(context_values(records, "gl_renderer"), "; "));
   for (const char* key : {"processor", "threads", "version", "commit"}) add(key, joined(context_values(records, key), "; "));
   if (std::string mixed = mixed_programs(records); !mixed.empty()) add("mixed", std::move(mixed));
+  if (std::string busy = busy_rows(records); !busy.empty()) add("load", std::move(busy));
   add("processes x repetitions", repetition_plan(records));
   const auto has_kept_shaders = [](const Record& r) {
     return context_text(r, "shaders") == "kept" && !context_text(r, "gl_renderer").empty();

@@ -232,6 +232,19 @@ TEST(table, provenance_comes_from_the_records) {
   EXPECT_TRUE(has(text, "\nprocesses x repetitions: 5 x 1\n"));
 }
 
+TEST(table, rows_that_began_beside_other_work_are_said) {
+  std::vector<Record> records{row("shadow_map", 1, 0.1), row("planar", 1, 0.1), row("planar", 2, 0.1)};
+  const auto load = [&](std::size_t k, double average) {
+    records[k].context["cores"] = 2;
+    records[k].context["load_average"] = average;
+    return render_table(records, Format::terminal);
+  };
+  EXPECT_FALSE(has(load(0, 0), "\nload: "));
+  EXPECT_FALSE(has(load(1, 5), "\nload: ")) << "two cores at work, and what an engine has beside them";
+  EXPECT_TRUE(has(load(1, 5.1), "\nload: 1 row began at a load average of up to 5.1: other work ran beside"));
+  EXPECT_TRUE(has(load(2, 9.25), "\nload: 2 rows began at a load average of up to 9.2"));
+}
+
 TEST(table, rows_of_several_programs_are_said) {
   std::vector<Record> records{row("shadow_map", 1, 0.1), row("planar", 1, 0.1), row("planar", 2, 0.1)};
   const auto mixed = [&] { return has(render_table(records, Format::terminal), "\nmixed: "); };
