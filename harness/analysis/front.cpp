@@ -171,7 +171,7 @@ std::vector<Field> find_fields(std::span<const Record> records, const FieldOptio
   }
   const auto competes = [](const Candidate& c) { return c.role == Role::contender; };
   if (std::ranges::none_of(fields, [&](const Field& f) { return std::ranges::any_of(f.candidates, competes); }))
-    throw Error("there is nothing to rank: no contender finished with a {}", options.error);
+    throw Error("there is nothing to rank: no contender finished with the number {}", options.error);
   for (Field& field : fields) add_relative_costs(field);
   if (!left_out.empty()) fields.front().notes.push_back(left_out);
   for (const AnswerKind of : all_answer_kinds) {

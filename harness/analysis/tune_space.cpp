@@ -108,6 +108,7 @@ std::optional<Condition> condition_of(const Parameter& row, const Technique& tec
 class Reader {
  public:
   Reader(const std::string& text, const TuneMatter& matter) : text_(text), matter_(matter) {
+    refuse_several_techniques(text);
     const std::size_t colon = text.find(':');
     space_.technique = text.substr(0, colon);
     technique_ = registry().technique(space_.technique).make();

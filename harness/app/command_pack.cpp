@@ -6,6 +6,7 @@
 
 #include "app/app.h"
 #include "app/pack/pack.h"
+#include "measure/counted.h"
 #include "measure/notice.h"
 #include "measure/part_file.h"
 #include "measure/paths.h"
@@ -70,7 +71,7 @@ void pack_run(Pack& pack, const fs::path& run) {
 
 std::string readme(const std::string& name, const PackedRows& rows, const Pack& pack) {
   std::string text = fmt::format(
-      "# {}\n\nA run of Gnomon, a testbed for shadow techniques: {} rows, with all that makes them again.\n\n"
+      "# {}\n\nA run of Gnomon, a testbed for shadow techniques: {}, with all that makes them again.\n\n"
       "```sh\n./reproduce          # builds the program, runs the rows again, compares\n"
       "./reproduce --help   # a program that is there already, a part of the rows, another folder\n```\n\n"
       "| where | what |\n|---|---|\n"
@@ -81,7 +82,7 @@ std::string readme(const std::string& name, const PackedRows& rows, const Pack& 
       "| `plugins/`, `programs/` | techniques from outside, with their sources |\n"
       "| `source/` | the tree of the program's commit, and by what the build differed from it |\n"
       "| `pack.json` | the calls that are repeated, in the names of this archive |\n",
-      name, rows.count);
+      name, counted(rows.count, "row{s}"));
   if (pack.missing().empty()) return text;
   text += "\n## What is missing\n\n";
   for (const std::string& what : pack.missing()) text += "- " + what + "\n";
@@ -113,8 +114,9 @@ std::string fill(Pack& pack, const PackOptions& options, const std::string& name
                                     1) +
                               "\n");
   pack.write("README.md", readme(name, rows, pack));
-  return fmt::format("{} rows, {} scenes, {} calls, {} plugins, {} files", rows.count, rows.scenes.size(), commands.size(),
-                     plugins.size(), pack.file_count());
+  return fmt::format("{}, {}, {}, {}, {}", counted(rows.count, "row{s}"), counted(rows.scenes.size(), "scene{s}"),
+                     counted(commands.size(), "call{s}"), counted(plugins.size(), "plugin{s}"),
+                     counted(pack.file_count(), "file{s}"));
 }
 
 /// What the archive and the folder in it are called.

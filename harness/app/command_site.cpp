@@ -7,6 +7,7 @@
 #include <ctime>
 
 #include "app/app.h"
+#include "measure/counted.h"
 #include "measure/notice.h"
 #include "measure/part_file.h"
 #include "measure/paths.h"
@@ -125,8 +126,9 @@ void make(const SiteCommand& options) {
     throw Error("output folder {} cannot be written: {}", options.out.string(), error.code().message());
   }
   for (const std::string& note : summary.notes) print_notice("{}\n", printable(note, true));
-  fmt::print("{}  {} pages, {} rows on {} machine{}, {:.1f} MB\n", (options.out / "index.html").string(), summary.pages,
-             summary.rows, summary.machines, summary.machines == 1 ? "" : "s", static_cast<double>(summary.bytes) / 1e6);
+  fmt::print("{}  {}, {} on {}, {:.1f} MB\n", (options.out / "index.html").string(), counted(summary.pages, "page{s}"),
+             counted(summary.rows, "row{s}"), counted(summary.machines, "machine{s}"),
+             static_cast<double>(summary.bytes) / 1e6);
 }
 
 }  // namespace

@@ -70,22 +70,24 @@ void print_machines(const TableCommand& options, Format format) {
   fmt::print("{}", render_machines(runs, format, {.width = options.width.columns(), .pixels = options.pixels}));
 }
 
-/// A mask that never changes has no flicker, however wrong it is.
-void note_lone_flicker(const std::vector<std::string>& columns) {
+/// A mask that never changes has no flicker, however wrong it is: no flicker is shown without the error.
+void add_error_of_flicker(std::vector<std::string>& columns) {
   const auto has = [&](std::string_view metric) {
     return std::ranges::any_of(columns, [&](const std::string& column) {
       return column == metric || column.ends_with(fmt::format(".{}", metric));  // of one truth
     });
   };
-  if (std::ranges::any_of(flicker_metrics, has, &FlickerMetric::name) && !has("error"))
-    print_notice("note: flicker says nothing of quality without error: add error to --columns\n");
+  if (std::ranges::any_of(flicker_metrics, has, &FlickerMetric::name) && !has("error")) {
+    columns.emplace_back("error");
+    print_notice("note: flicker says nothing of quality without error, which is the last column\n");
+  }
 }
 
 void print_table(TableCommand& options) {
   const Format format = format_named(options.format);
   if (!options.by.empty()) return print_machines(options, format);
   const bool is_list = options.table.columns == std::vector<std::string>{"list"};
-  note_lone_flicker(options.table.columns);
+  add_error_of_flicker(options.table.columns);
   if (format == Format::csv && !is_list && !options.is_rescored && !options.is_saved && options.filter.empty() &&
       options.dirs.size() == 1)
     return write_csv(options.dirs.front(), options.table, [](const std::string& text) { fmt::print("{}", text); });

@@ -2,6 +2,7 @@
 #include "app/app.h"
 #include "app/table_options.h"
 #include "app/tune_run.h"
+#include "measure/counted.h"
 #include "measure/notice.h"
 #include "measure/run/estimate.h"
 #include "measure/scene/blob.h"
@@ -87,6 +88,7 @@ TunePlan plan_of(TuneOptions& options, const Command& command, const Program& pr
   if (!options.size.empty()) std::tie(suite.width, suite.height) = parse_size(options.size, "--size");
   if (options.timeout) suite.timeout = *options.timeout;
   if (options.pictures == "none") suite.pictures = Suite::Pictures::none;
+  if (options.lights == std::vector<std::string>{"all"}) options.lights.clear();
   suite.groups.push_back({options.scenes, options.lights, options.views, {}});
   plan.run.command = program.words;
   plan.run.worker = worker_options(program, options.threads);
@@ -125,7 +127,7 @@ void print_plan(const TunePlan& plan, Tuning& tuning, std::size_t width) {
   }
   const double possible = tuning.possible();
   const double asked = tuning.is_whole() ? possible : std::min(most_evaluations, possible / 5);
-  fmt::print("{} places{}; {:.0f} evaluations, of which {}{:.0f} are run\n", tuning.place_count(),
+  fmt::print("{}{}; {:.0f} evaluations, of which {}{:.0f} are run\n", counted(tuning.place_count(), "place{s}"),
              plan.holds_out_places && tuning.place_count() > 2 ? ", a quarter of them held out" : "", possible,
              tuning.is_whole() ? "all " : "at most ", asked);
   std::vector<RowCost> costs = own_history().read();
@@ -178,9 +180,9 @@ int tune(TuneOptions& options, const Command& command, const Program& program) {
   tuning.search();
   if (tuning.is_shard()) {
     fmt::print(
-        "shard {}/{} has {} rows of the first round in {}; gnomon merge joins the shards, and gnomon tune with --resume "
+        "shard {}/{} has {} of the first round in {}; gnomon merge joins the shards, and gnomon tune with --resume "
         "decides in the joined folder\n",
-        plan.run.shard_index, plan.run.shard_count, tuning.row_count(), out.string());
+        plan.run.shard_index, plan.run.shard_count, counted(tuning.row_count(), "row{s}"), out.string());
     return 0;
   }
   const TuneReport report = tuning.decided();

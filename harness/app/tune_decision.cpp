@@ -82,6 +82,8 @@ TuneReport Tuning::decided() {
   std::vector<Entrant> finalists = entrants();
   if (finalists.empty())
     throw Error("no setting was measured at every place{}", plan_.budget ? ": give a larger --budget, or --resume" : "");
+  // Where a search begins, most often the default, is there however little of a grid was asked: an answer is no worse.
+  for (const std::size_t space : active_) add_once(finalists, Entrant{space, plan_.spaces[space].grid.base()});
   std::vector<Contender> measured;
   for (const Entrant& entrant : finalists) measured.push_back(contender_of(entrant));
   const auto is_measured = [&](const Contender& contender) {

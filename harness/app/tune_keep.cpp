@@ -1,6 +1,7 @@
 // gnomon tune --keep: errors and bytes of every setting, without times, and so without a process for each.
 #include "app/app.h"
 #include "app/tune_run.h"
+#include "measure/counted.h"
 #include "measure/run/jobs.h"
 #include "measure/scene/blob.h"
 
@@ -27,8 +28,8 @@ void keep_grid(TunePlan plan, SceneLibrary& library, const std::filesystem::path
         kept.numbers[question.setting][k] = answer.numbers;
   }
   write_file(file, kept_grid_text(kept));
-  fmt::print("{}  {:.0f} settings of {} at {} places: {:.0f} evaluations\n", file.string(), kept.space.grid.count(),
-             kept.space.technique, places.size(), kept.possible());
+  fmt::print("{}  {:.0f} settings of {} at {}: {:.0f} evaluations\n", file.string(), kept.space.grid.count(),
+             kept.space.technique, counted(places.size(), "place{s}"), kept.possible());
 }
 
 }  // namespace gnomon::app

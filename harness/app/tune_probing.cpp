@@ -5,6 +5,8 @@ namespace gnomon::app {
 
 namespace {
 
+namespace fs = std::filesystem;
+
 /// Calls of a probe are few, and other work on the machine delays some of them.
 constexpr double far_too_slow = 4;
 
@@ -19,6 +21,18 @@ double beyond(const TuneGoal& goal, const KeptGrid::Numbers& numbers) {
       most = std::max(most, limit.beyond(limit.number.name == "error" ? numbers.error : numbers.bytes));
   return most;
 }
+
+/// Whether a setting needs no row, however fast it is.
+bool is_out(const TuneGoal& goal, const TuneProbe::Answer& said) { return !said.support || beyond(goal, said.numbers) > 0; }
+
+Support support_in(const Json& said) {
+  const std::string kind = said.value("support", ""), why = said.value("reason", "");
+  if (kind == name(Support::Kind::unsupported)) return Support::unsupported(why);
+  return kind == name(Support::Kind::approximate) ? Support::approximate(why) : Support::full();
+}
+
+/// The file of a search's folder with what probes answered of settings that have no row.
+fs::path probes_file(const fs::path& folder) { return folder / "probes.jsonl"; }
 
 /// Of a job, but for its contender.
 std::string place_title(const Job& job) { return fmt::format("{} {} {}", job.scene, job.light, job.view); }
@@ -59,6 +73,30 @@ void Tuning::keep_probed(std::size_t space, const Job& job, const TuneProbe::Ans
   probed_.insert_or_assign(job.hash, Probed{answer, std::move(record)});
 }
 
+/// What the folder knows of a search that was stopped; a line that was cut off ends it.
+void Tuning::read_probes() {
+  if (!has_probes()) return;
+  std::string line, known;
+  for (std::ifstream file(probes_file(plan_.run.out)); std::getline(file, line);) {
+    const Json said = Json::parse(line, nullptr, false);
+    if (said.is_discarded()) break;
+    known += line + "\n";
+    TuneProbe::Answer answer{.support = support_in(said),
+                             .numbers = {.error = said.value("error", 0.0), .bytes = said.value("bytes", 0.0)},
+                             .constant_error = said.value("constant_error", 0.0)};
+    earlier_probes_.insert_or_assign(said.value("job", ""), std::move(answer));
+  }
+  probes_.open(probes_file(plan_.run.out));
+  probes_ << known << std::flush;
+}
+
+void Tuning::write_probe(const std::string& job, const TuneProbe::Answer& said) {
+  Json line = json_object({{"job", job}, {"support", name(said.support.kind())}, {"reason", said.support.why()}});
+  if (said.support)
+    line.update({{"error", said.numbers.error}, {"bytes", said.numbers.bytes}, {"constant_error", said.constant_error}});
+  probes_ << line.dump() << "\n" << std::flush;
+}
+
 /// Asks the probe for these jobs, and takes out those that it answers well enough.
 void Tuning::drop_probed(std::size_t space, std::vector<Job>& unknown) {
   if (!probe_) return;
@@ -72,10 +110,17 @@ void Tuning::drop_probed(std::size_t space, std::vector<Job>& unknown) {
   progress.expect(static_cast<double>(unknown.size()));
   std::erase_if(unknown, [&](const Job& job) {
     progress.advance(1);
-    if (probed_.contains(job.hash) || is_over()) return true;
+    if (probed_.contains(job.hash)) return true;
+    if (const auto earlier = earlier_probes_.find(job.hash);
+        earlier != earlier_probes_.end() && is_out(plan_.goal, earlier->second)) {
+      keep_probed(space, job, earlier->second, INFINITY);
+      return true;
+    }
+    if (is_over()) return true;
     try {
       const TuneProbe::Answer said = probe_->ask(job.contender.settings, job);
-      if (!said.support || beyond(plan_.goal, said.numbers) > 0) {
+      if (is_out(plan_.goal, said)) {
+        write_probe(job.hash, said);
         keep_probed(space, job, said, INFINITY);
         return true;
       }

@@ -165,6 +165,7 @@ void Tuning::search() {
     Progress progress(plan_.is_quiet);
     folder_.emplace(plan_.run, library_, first, first, progress);
   }
+  read_probes();
   for (const Record& record : folder_->earlier().kept) records_.insert_or_assign(record.job, record);
   first.resize(base_count);
   std::erase_if(first, [&](const Job& job) { return records_.contains(job.hash); });

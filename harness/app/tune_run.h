@@ -1,4 +1,6 @@
 #pragma once
+#include <fstream>
+
 #include "app/tune_probe.h"
 #include "report/analysis/tune_table.h"
 
@@ -51,6 +53,8 @@ class Tuning {
   /// Whether times decide among settings whose masks must keep limits, and there are too many for a row of each.
   bool has_probes() const;
   void keep_probed(std::size_t space, const Job& job, const TuneProbe::Answer& said, double goal);
+  void read_probes();
+  void write_probe(const std::string& job, const TuneProbe::Answer& said);
   void drop_probed(std::size_t space, std::vector<Job>& unknown);
   double least_ms(const Job& job);
   bool is_over() const { return plan_.budget && seconds_since(start_) > *plan_.budget; }
@@ -81,6 +85,8 @@ class Tuning {
     Record record;  ///< with error and bytes, or why there are none; it is not in the folder
   };
   std::map<std::string, Probed> probed_;
+  std::map<std::string, TuneProbe::Answer> earlier_probes_;  ///< by job, of the folder, where a search was stopped
+  std::ofstream probes_;
   std::optional<TuneProbe> probe_;          ///< of the space that is searched
   std::map<std::string, double> least_ms_;  ///< of what it asked and keeps the limits, by place
   std::optional<OpenRun> folder_;

@@ -174,7 +174,7 @@ class Analyze(ProgramTest):
             self.refuse("analyze", run, kind, "--error", "penumbra_shift", says=["penumbra_shift has no better side"])
         only = self.run_of(record(role="reference"), name="only")
         self.refuse("analyze", only, "front", says=["nothing to rank", "no contender"])
-        self.refuse("analyze", only, "rank", says=["nothing to rank", "no two contenders finished with a error"])
+        self.refuse("analyze", only, "rank", says=["nothing to rank", "no two contenders finished with the number error"])
         both = self.run_of(record("one"), record("other"), name="both")
         self.refuse("analyze", both, "rank", "--cost", "motion", says=["nothing to rank by motion", "no two contenders"])
 

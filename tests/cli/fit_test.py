@@ -86,7 +86,10 @@ class Fit(ProgramTest):
     def test_analyses_fit(self):
         for run, *kinds in ((self.small, "front --all", "best", "map", "growth --x resolution", "growth --x resolution --error error",
                              "sweep --x resolution"),
-                            (RESULTS / "quick", "front", "best"),
+                            (RESULTS / "quick", "front", "best", "rank", "enough"),
+                            (RESULTS / "lights", "forecast"),
+                            (RESULTS / "seams", "seams"),
+                            (self.small, "rank --all-pairs"),
                             (RESULTS / "animation", "motion", "front --cost motion")):
             for kind in kinds:
                 with self.subTest(f"{run.name} {kind}"):

@@ -108,7 +108,7 @@ class Packed(ProgramTest):
 
     def test_the_archive_holds_what_makes_its_rows_again(self):
         said, archive = self.pack()
-        self.assertIn("3 rows, 1 scenes, 1 calls, 1 plugins", said)
+        self.assertIn("3 rows, 1 scene, 1 call, 1 plugin, ", said)
         with tarfile.open(archive) as tar:
             for member in tar:
                 self.assertTrue(member.isfile() or member.isdir(), member.name)

@@ -122,6 +122,23 @@ class Tune(ProgramTest):
         for row in records(self.dir / "out"):
             self.assertEqual(row["status"], "ok", row["settings"])
 
+    def test_what_settings_without_a_row_answered_is_known_when_a_search_goes_on(self):
+        search = ["shadow_map", "--scene", "fence", "--light", "all", "--light", "point", "--error", "0.00001%"]
+        self.refuse("tune", *search, says=["all"])  # not a light beside others
+        search[4] = "point"
+        asked = lambda text: int(re.search(r"(\d+) evaluations of \d+ possible", text).group(1))
+        stopped = self.tune(*search, "--budget", "4s", status=1)
+        self.assertRegex(stopped, r"no setting of the \d+ that were measured there keeps error<=")
+        self.assertNotIn("whatever the other parameters", stopped)
+        probes = self.dir / "out/probes.jsonl"
+        said = probes.read_text().splitlines()
+        self.assertGreater(len(said), 0)
+        with open(probes, "a") as file:
+            file.write('{"job": "cut off')
+        known = self.tune(*search, "--budget", "0.01s", "--resume", status=1)
+        self.assertGreaterEqual(asked(known), len(said))
+        self.assertEqual(probes.read_text().splitlines(), said)
+
     def test_a_dry_run_prints_levels_and_evaluations(self):
         text = self.succeed("tune", "shadow_map", *ONE, "--error", "1%", "--dry-run")
         self.assertRegex(text, r"(?m)^resolution +64, 128, 256, 512, 1024, 2048, 4096, 8192 +always$")
@@ -129,6 +146,8 @@ class Tune(ProgramTest):
         self.assertIn("skipped where it has no effect: alpha (no mesh has holes), glass (no caster lets light through), update (nothing moves)", text)
         self.assertNotRegex(text, r"(?m)^noise_frame ")
         self.assertRegex(text, r"2 places; \d+ evaluations, of which at most 2000 are run")
+        self.assertEqual(self.succeed("tune", "shadow_map", "--scene", "fence", "--light", "all", "--error", "1%", "--dry-run"),
+                         self.succeed("tune", "shadow_map", "--scene", "fence", "--error", "1%", "--dry-run"))
         self.assertEqual(self.names(self.dir), [])
 
     def test_a_kept_grid_has_the_errors_of_a_run_and_can_be_searched(self):
@@ -170,6 +189,7 @@ class Tune(ProgramTest):
             ([*ONE, *MAPS, "--error", "1%", "--budget", "soon"], ["--budget soon", "10min"]),
             ([*ONE, *MAPS, "--error", "1%", "--over", "best"], ["worst or mean"]),
             (["shadow_map:resolution=64", *ONE, "--error", "1%"], ["one setting", "nothing to choose"]),
+            ([*ONE, "--technique", "shadow_map:*,svbsp:*", "--error", "1%"], ["names 2 techniques", "--technique shadow_map:* --technique svbsp:*"]),
             (["shadow_map:alpha=*", *ONE, "--error", "1%"], ["one setting", "alpha (no mesh has holes)"]),
             (["shadow_map:resolutoin=*", *ONE, "--error", "1%"], ["resolutoin", "resolution"]),
             (["shadow_map:resolution={1,64}", *ONE, "--error", "1%"], ["resolution = 1", "64 .. 8192"]),

@@ -20,6 +20,8 @@ std::string InnerTechnique::objection(std::string_view id) const {
 std::string InnerTechnique::why_not(const TechniqueEntry& entry) const {
   if (entry.about.remembers)
     return fmt::format("{} remembers frames, and within another technique it has no sequence", entry.id);
+  if (entry.about.device == Device::vulkan)
+    return fmt::format("{} needs Vulkan, and a technique within another one has the processor and OpenGL", entry.id);
   return why_not_(entry);
 }
 

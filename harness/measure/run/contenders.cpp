@@ -126,6 +126,12 @@ std::vector<std::string> expand_braces(const std::string& text) {
   return out;
 }
 
+void refuse_several_techniques(const std::string& text) {
+  if (const std::vector<std::string> several = techniques_in(text); several.size() > 1)
+    throw Error("'{}' names {} techniques; where several are taken, the option is repeated: --technique {}", text,
+                several.size(), joined(several, " --technique "));
+}
+
 std::vector<Contender> parse_contenders(const std::string& text, const std::string& label) {
   if (text == "*") {
     if (!label.empty()) throw Error("label {} would name every technique", label);
@@ -134,9 +140,7 @@ std::vector<Contender> parse_contenders(const std::string& text, const std::stri
       if (!entry.about.named_only) all.push_back({entry.id, "", "", true});
     return all;
   }
-  if (const std::vector<std::string> several = techniques_in(text); several.size() > 1)
-    throw Error("'{}' names {} techniques; where several are taken, the option is repeated: --technique {}", text,
-                several.size(), joined(several, " --technique "));
+  refuse_several_techniques(text);
   const std::vector<std::string> plain = expand_braces(text);
   if (plain.size() > 1 && !label.empty()) throw Error("label {} would name {} rows of the sweep {}", label, plain.size(), text);
   std::vector<Contender> contenders;

@@ -36,6 +36,8 @@ std::vector<std::string> expand_braces(const std::string& text);
 /// Reads `id:param=value,...`; a comma list in braces is a sweep: `shadow_map:resolution={256,1024}` gives two contenders,
 /// two braces their product; `*` alone is every registered technique. A row of a sweep that has the default of the swept
 /// parameter gets a label with that value. Throws Error on unknown techniques and parameters and on values out of range.
+/// Throws Error where a text names several techniques, as "svbsp,shadow_map:filter=pcf" does.
+void refuse_several_techniques(const std::string& text);
 std::vector<Contender> parse_contenders(const std::string& text, const std::string& label = "");
 
 /// Which frames of an animation a row has. Nothing: as find_path has them; at another rate or start as many as reach the last

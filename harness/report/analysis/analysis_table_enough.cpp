@@ -32,7 +32,7 @@ std::vector<Column> enough_columns(const Column& error, const PaidColumns& paid,
   add_error_columns(columns, error, fields);
   columns.insert(columns.end(), {paid.time, spare(for_people(text_column("cost_interval", "interval")), 2),
                                  for_programs(number_column("cost_low", paid.time.unit, "cost_low")),
-                                 for_programs(number_column("cost_high", paid.time.unit, "cost_high")), paid.bytes,
+                                 for_programs(number_column("cost_high", paid.time.unit, "cost_high")), spare(paid.bytes, 4),
                                  spare(number_column("relative_cost", "", "relative"), 1)});
   return columns;
 }

@@ -36,7 +36,7 @@ bool has_floor(std::span<const Field> fields) {
 
 void add_error_columns(std::vector<Column>& columns, const Column& error, std::span<const Field> fields) {
   columns.push_back(error);
-  if (has_floor(fields)) columns.push_back(quantity_column(error.name + "_floor"));
+  if (has_floor(fields)) columns.push_back(spare(quantity_column(error.name + "_floor"), 4));
   columns.push_back(for_programs(quantity_column(std::string(constant_metric(error.name)))));
 }
 

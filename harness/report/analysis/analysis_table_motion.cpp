@@ -9,7 +9,8 @@ Place place_of_motion(const PathErrors& motion) { return place_of(*motion.record
 bool has_over_time(std::span<const PathErrors> motions) { return std::ranges::any_of(motions, &PathErrors::has_over_time); }
 
 void add_over_time_columns(Layout& table) {
-  for (const std::string& metric : names_over_time()) table.columns.push_back(quantity_column(metric));
+  int later = 0;  // what comes later goes first where there is no room
+  for (const std::string& metric : names_over_time()) table.columns.push_back(spare(quantity_column(metric), later++));
 }
 
 void add_over_time_cells(Cells& cells, const PathErrors& motion) {
@@ -54,8 +55,8 @@ Tables motion_tables(std::span<const Record> records, const AnalysisOptions& opt
   table.columns = place_columns();
   table.columns.insert(table.columns.end(),
                        {text_column("setting", "technique"), spare(whole_column("frames", "", "frames"), 3),
-                        lengthened(instability, "_mean", "mean"), lengthened(instability, "_max", "max"),
-                        spare(whole_column("instability_frame", "", "at frame"), 4), lengthened(error, "_mean", "mean"),
+                        lengthened(instability, "_mean", "mean"), spare(lengthened(instability, "_max", "max"), 4),
+                        spare(whole_column("instability_frame", "", "at frame"), 5), lengthened(error, "_mean", "mean"),
                         spare(lengthened(error, "_min", "min"), 2), lengthened(error, "_max", "max"),
                         spare(whole_column(options.metric + "_frame", "", "worst at frame"), 1)});
   if (in_one_table) add_over_time_columns(table);

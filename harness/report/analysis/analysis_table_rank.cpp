@@ -20,14 +20,14 @@ std::vector<Column> rank_columns() {
           text_column("setting", "technique"),
           text_column("against", "against"),
           number_column("ratio", "", "ratio"),
-          for_people(text_column("ratio_interval", "interval")),
+          spare(for_people(text_column("ratio_interval", "interval")), 1),
           for_programs(number_column("ratio_low", "", "ratio_low")),
           for_programs(number_column("ratio_high", "", "ratio_high")),
           for_programs(number_column("p", "", "p")),
-          number_column("p_holm", "", "p (Holm)"),
-          whole_column("places", "", "places"),
-          whole_column("scenes", "", "scenes"),
-          whole_column("left_out", "", "left out"),
+          spare(number_column("p_holm", "", "p (Holm)"), 2),
+          spare(whole_column("places", "", "places"), 3),
+          spare(whole_column("scenes", "", "scenes"), 4),
+          spare(whole_column("left_out", "", "left out"), 5),
           for_programs(text_column("left_out_places", "places left out")),
           for_programs(whole_column("tests", "", "tests")),
           for_programs(whole_column("needed_places", "", "places needed")),
@@ -120,7 +120,7 @@ Layout rank_table(std::span<const Record> records, const RankOptions& options) {
 Tables rank_tables(std::span<const Record> records, const AnalysisOptions& options, Format) {
   Layout table = rank_table(records, {.error = options.metric, .cost = options.only_cost, .all_pairs = options.all_pairs});
   if (table.groups.empty())
-    throw Error("there is nothing to rank: no two contenders finished with a {} at one place", options.metric);
+    throw Error("there is nothing to rank: no two contenders finished with the number {} at one place", options.metric);
   return {std::move(table)};
 }
 

@@ -16,11 +16,12 @@ Tables seams_tables(std::span<const Record> records, const AnalysisOptions&, For
   for (const std::string& bin : bins) {
     std::string range = bin;
     range.replace(range.find('_'), 1, "..");
-    table.columns.push_back(at_value(quantity_column(fmt::format("error_seam_{}", bin)), range));
+    const int far = static_cast<int>(table.columns.size());  // the farthest go first where there is no room
+    table.columns.push_back(spare(at_value(quantity_column(fmt::format("error_seam_{}", bin)), range), far));
   }
   if (is_for_programs)
     for (const std::string& bin : bins) table.columns.push_back(quantity_column(fmt::format("seam_share_{}", bin)));
-  table.columns.push_back(share_column("near_share", "near"));
+  table.columns.push_back(spare(share_column("near_share", "near"), 1));
   table.columns.push_back(share_column("near_part", "of the error"));
   add_groups(
       table, rows, [](const SeamErrors& row) { return place_of(*row.record); },

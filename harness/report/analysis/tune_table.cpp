@@ -16,6 +16,16 @@ std::string cell_text(const TuneNumber& number, const std::optional<double>& val
   return value ? shown(column_of(number), {.value = *value}) : "-";
 }
 
+/// Whether every setting was asked at every place, so that what is said of all is so.
+bool is_whole(const TuneReport& report) { return static_cast<double>(report.asked) >= report.possible; }
+
+/// Where places are told apart by what they differ in: those that decided and those that were held out.
+std::vector<Place> all_places(const TuneReport& report) {
+  std::vector<Place> all = report.places;
+  all.insert(all.end(), report.held.begin(), report.held.end());
+  return all;
+}
+
 /// The goal, the numbers with limits, error and light cost, each once.
 std::vector<TuneNumber> numbers_of(const TuneGoal& goal) {
   std::vector<TuneNumber> numbers{goal.least};
@@ -62,12 +72,12 @@ std::string limits_text(const TuneRow& row, const TuneReport& report) {
   std::size_t there = 0;
   for (const Record* record : row.rows) {
     if (record && record->status != Status::ok)
-      return fmt::format("{} at {}", name(record->status), title(place_of(*record), report.places));
+      return fmt::format("{} at {}", name(record->status), title(place_of(*record), all_places(report)));
     there += record != nullptr;
   }
   for (const TuneLimit& limit : report.goal.each)
     if (const Margin margin = margin_of(limit, row.rows); margin.place && margin.beyond > 0)
-      return fmt::format("breaks {} at {}", limit.text, title(report.places[*margin.place], report.places));
+      return fmt::format("breaks {} at {}", limit.text, title(report.places[*margin.place], all_places(report)));
   if (there < row.rows.size()) return fmt::format("worse at the first {} place{}", there, there == 1 ? "" : "s");
   return report.goal.each.empty() ? "" : "keeps all";
 }
@@ -105,7 +115,7 @@ std::string places_table(const TuneReport& report, std::span<const Place> places
   if (!base.empty()) columns.push_back(heading(report.goal.least, "default"));
   TextTable table(columns);
   for (std::size_t k = 0; k < places.size(); ++k) {
-    std::vector<std::string> cells{title(places[k], places)}, broken;
+    std::vector<std::string> cells{title(places[k], all_places(report))}, broken;
     for (const TuneNumber& number : numbers)
       cells.push_back(cell_text(number, answer[k] ? number.of(*answer[k]) : std::nullopt));
     for (const TuneLimit& limit : report.goal.each)
@@ -127,7 +137,7 @@ std::string margins_text(const TuneReport& report) {
       continue;
     }
     text += fmt::format("{}: {} at {}, {:.0f} % {}\n", limit.text, number_text(limit.number, margin.value),
-                        title(report.places[*margin.place], report.places), 100 * std::abs(margin.beyond),
+                        title(report.places[*margin.place], all_places(report)), 100 * std::abs(margin.beyond),
                         margin.beyond > 0 ? "beyond it" : "to spare");
   }
   return text;
@@ -148,7 +158,10 @@ std::string effects_table(const TuneReport& report, std::size_t width) {
     if (effect.is_at_end) answer += " (an end of its range)";
     table.add_row({effect.parameter, answer, joined(values, ", ")});
   }
-  return table.text(width) + (has_broken ? "!: breaks a limit, whatever the other parameters\n" : "") +
+  return table.text(width) +
+         (!has_broken        ? ""
+          : is_whole(report) ? "!: breaks a limit, whatever the other parameters\n"
+                             : "!: breaks a limit in all settings with it that were measured at every place\n") +
          "-: no setting with this value was measured at every place\n";
 }
 
@@ -194,7 +207,8 @@ std::string head_text(const TuneReport& report) {
   const std::string where = fmt::format("{} place{}", report.places.size(), report.places.size() == 1 ? "" : "s");
   std::string text = fmt::format("{}\n\n", report.rows.front().name);
   if (!report.is_feasible)
-    return fmt::format("no setting keeps {} at each of {}; the nearest miss:\n\n{}",
+    return fmt::format("no setting{} keeps {} at each of {}; the nearest miss:\n\n{}",
+                       is_whole(report) ? "" : fmt::format(" of the {} that were measured there", report.compared.size()),
                        limits.empty() ? "below a constant mask" : joined(limits, ", "), where, text);
   text += fmt::format("least {} ({} over {}){}\n", goal.least.name, goal.over == TuneOver::worst ? "worst" : "mean", where,
                       limits.empty() ? "" : ", with " + joined(limits, ", ") + " at each");

@@ -53,7 +53,8 @@ constexpr FloatRoom rooms[] = {{"a page in landscape", "table", "p", 150, std::s
 const FloatRoom& room_of(Paper paper) { return rooms[static_cast<std::size_t>(paper)]; }
 
 constexpr std::size_t held_floats = 40;  // printed together; LaTeX gives up when it holds more than 52
-constexpr std::size_t least_text = 14;   // no column of words becomes narrower
+constexpr std::size_t least_text = 14;   // no column of words becomes narrower, but one of short words
+constexpr std::size_t least_word = 6;
 
 /// The column whose cells name the reason of a row.
 std::size_t reason_column(const Layout& layout) {
@@ -86,20 +87,31 @@ std::vector<std::vector<std::string>> lines_of(const Layout::Row& row, const Lay
 /// Blanks between the columns of a row, with those around it.
 std::size_t gaps_across(const Layout& layout) { return 2 * layout.columns.size(); }
 
-/// Widths of the columns in characters, such that the whole fits the room: the widest columns of words give way.
+/// Widths of the columns in characters, such that the whole fits the room: the widest columns of words give way, where no
+/// other can go down to their longest word.
 std::vector<std::size_t> fitting_widths(const Layout& layout, const FloatRoom& room) {
-  std::vector<std::size_t> widths, least;
+  std::vector<std::size_t> widths, least, words;
   for (std::size_t i = 0; i < layout.columns.size(); ++i) {
     const Column& column = layout.columns[i];
     // Headings wrap at their blanks.
     std::size_t width = std::min<std::size_t>(display_width(column.heading), 8);
     width = std::max(width, display_width(column.shown_unit));
+    std::size_t word = least_word;
     for (const Layout::Group& group : layout.groups)
-      for (const Layout::Row& row : group.rows) width = std::max(width, display_width(shown(column, row.cells[i])));
+      for (const Layout::Row& row : group.rows) {
+        const std::string text = shown(column, row.cells[i]);
+        width = std::max(width, display_width(text));
+        for (const std::string& piece : wrap(text, least_word)) word = std::max(word, display_width(piece));
+      }
+    const bool is_words = column.alignment == Align::left;
     widths.push_back(width);
-    least.push_back(column.alignment == Align::left ? least_text : width);
+    least.push_back(is_words ? least_text : width);
+    words.push_back(is_words ? std::min(word, least_text) : width);
   }
   shrink(widths, least, gaps_across(layout), room.width);
+  const bool has_spare = std::ranges::any_of(layout.columns, [](const Column& column) { return column.spare > 0; });
+  const bool is_landscape = room.heading == std::string::npos;  // where a table may be wider
+  if (!has_spare && !is_landscape) shrink(widths, words, gaps_across(layout), room.width);
   return widths;
 }
 

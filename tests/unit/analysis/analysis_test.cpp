@@ -197,7 +197,7 @@ TEST(front, what_cannot_be_ranked_is_an_error) {
   for (Record& r : records) r.metrics[Truth::shape]["penumbra_shift"] = 1.0;
   says(records, "penumbra_shift", "penumbra_shift has no better side: front and best cannot rank by it");
   for (Record& r : records) r.role = Role::reference;
-  says(records, "wrong_rate", "no contender finished with a wrong_rate");
+  says(records, "wrong_rate", "no contender finished with the number wrong_rate");
 }
 
 RC_GTEST_PROP(front, nobody_on_it_is_beaten_and_everybody_else_is, ()) {

@@ -182,8 +182,8 @@ TEST(rank, what_cannot_be_compared_is_said) {
     }
   };
   std::vector<Record> records = pair_of(2, 2);
-  says({records[0]}, {}, "no two contenders finished with a error at one place");
-  says({records[0], records[3]}, {}, "no two contenders finished with a error at one place");
+  says({records[0]}, {}, "no two contenders finished with the number error at one place");
+  says({records[0], records[3]}, {}, "no two contenders finished with the number error at one place");
   says(records, {.only_cost = Cost::motion}, "nothing to rank by motion");
   says(records, {.metric = "eror"}, "there is no eror; did you mean error?");
   for (Record& r : records) r.metrics[Truth::shape]["penumbra_shift"] = 1.0;

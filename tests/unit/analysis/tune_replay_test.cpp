@@ -97,7 +97,7 @@ int near_best(std::span<const KeptGrid> grids, const std::function<TuneGoal(cons
 
 TEST(tune_replay, a_fifth_of_measured_grids_finds_the_best_of_all_but_one_in_twelve) {
   const std::vector<KeptGrid> grids = kept_grids();
-  ASSERT_FALSE(grids.empty());
+  ASSERT_GE(grids.size(), 12u);
   const int least_near = static_cast<int>(grids.size() - grids.size() / 12);
   for (const KeptGrid& kept : grids) EXPECT_GT(kept.possible(), most_evaluations) << kept.name;
   const TuneGoal least{.least = tuned_number("error"), .each = {}};
