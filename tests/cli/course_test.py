@@ -36,12 +36,16 @@ class Course(ProgramTest):
         done = self.course("--check", SHEET)
         self.assertEqual((done.returncode, done.stderr), (1, ""), done.stdout + done.stderr)
         self.assertRegex(done.stdout, rf"^course: {SHEET}: share of acne without a bias is 0\.\d+; the sheet expects 0\.9 within 0\.02\n"
-                                      rf"course: {SHEET}: \d+ numbers, 1 differ\n$")
+                                      rf"course: {SHEET}: \d+ numbers, 0 pictures, 1 differ\n$")
 
     def test_trees_drawn_by_hand_have_the_nodes_of_the_program(self):
         done = self.course("--check", "svbsp")
         self.assertEqual((done.returncode, done.stderr), (0, ""), done.stdout)
-        self.assertRegex(done.stdout, r"^course: svbsp: \d+ numbers, 0 differ\n$")
+        self.assertRegex(done.stdout, r"^course: svbsp: \d+ numbers, 1 picture, 0 differ\n$")
+        (self.dir / "docs/course/svbsp/splits.png").write_bytes((self.dir / "docs/course/counting/counts.png").read_bytes())
+        done = self.course("--check", "svbsp")
+        self.assertEqual(done.returncode, 1, done.stdout)
+        self.assertIn("course: svbsp: splits.png is not what the command beside it draws today\n", done.stdout)
 
     def test_what_a_solution_adds_is_run_beside_what_a_sheet_begins_with(self):
         """A program beside each suite, and answers from both runs."""
