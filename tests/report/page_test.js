@@ -18,6 +18,7 @@ import {
   settled,
   shownRows,
 } from "./browser.js";
+import { contrast, distance } from "./sight.js";
 import { makeRun, report, run } from "./small_run.js";
 
 before(async () => {
@@ -64,6 +65,33 @@ test("readable in light and dark, for people and for machines that read to them"
     await page.context().close();
   }
   assert.ok(shade.light > 650 && shade.dark < 120, JSON.stringify(shade));
+});
+
+test("every two colors of plots are told apart by any eyes, on light and on dark ground", async () => {
+  // Black and white are 100 apart, this red and this green less than 20 without green cones; by the WCAG black on white is 21.
+  assert.ok(Math.abs(distance("#000000", "#ffffff") - 100) < 0.1 && distance("#c04040", "#6f7d00") < 20);
+  assert.equal(contrast("#000000", "#ffffff").toFixed(3), "21.000");
+  for (const colorScheme of ["light", "dark"]) {
+    const page = await open(report, { colorScheme });
+    const valuesOf = (names) =>
+      page.evaluate((names) => {
+        const style = getComputedStyle(document.documentElement);
+        return names.map((name) => style.getPropertyValue(`--${name}`).trim());
+      }, names);
+    const series = await valuesOf(Array.from({ length: 8 }, (_, k) => `series-${k}`));
+    const stages = await valuesOf(["setup", "build", "update", "relight", "resolve"].map((stage) => `stage-${stage}`));
+    const [surface, ink] = await valuesOf(["surface", "ink"]);
+    const all = [...series, surface, ink];
+    assert.ok(all.every((color) => /^#[0-9a-f]{6}$/.test(color)), String(all));
+    for (const [k, a] of all.entries())
+      for (const b of all.slice(0, k)) assert.ok(distance(a, b) >= 20, `${a} ${b}: ${distance(a, b)} apart, ${colorScheme}`);
+    assert.equal(new Set(stages).size, stages.length);
+    assert.ok(stages.every((color) => series.includes(color)), String(stages));
+    // On paper's white the colors are those of figures, where yellow is told by its hue.
+    if (colorScheme === "dark")
+      for (const color of series) assert.ok(contrast(color, surface) >= 3, `${color} on ${surface}: ${contrast(color, surface)}`);
+    await page.context().close();
+  }
 });
 
 test("on a phone nothing hangs over the side", async () => {

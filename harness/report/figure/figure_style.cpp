@@ -1,6 +1,7 @@
 #include "report/figure/figure_style.h"
 
 #include <gnomon/error.h>
+#include <gnomon/param.h>
 
 namespace gnomon {
 
@@ -9,7 +10,20 @@ namespace {
 /// Circle, square, triangles up and down, diamond, pentagon: gnuplot's numbers.
 constexpr std::array filled_marks{7, 5, 9, 11, 13, 15}, open_marks{6, 4, 8, 10, 12, 14};
 
+std::string variables_of(const std::array<std::string_view, 8>& colors) {
+  std::string text = ":root{";
+  for (std::size_t k = 0; k < colors.size(); ++k) text += fmt::format("--series-{}:{};", k, colors[k]);
+  for (const Stage stage : all_stages)
+    text += fmt::format("--stage-{}:{};", name(stage), colors[static_cast<std::size_t>(stage)]);
+  return text + "}";
+}
+
 }  // namespace
+
+std::string color_variables() {
+  return fmt::format("{}\n@media screen and (prefers-color-scheme:dark){{{}}}\n", variables_of(figure_colors),
+                     variables_of(dark_figure_colors));
+}
 
 void require_series(std::size_t count, std::string_view what) {
   if (count > most_series)

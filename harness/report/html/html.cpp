@@ -3,6 +3,7 @@
 #include <gnomon/error.h>
 
 #include "analysis/in_order.h"
+#include "report/figure/figure_style.h"
 #include "report/html/html_parts.h"
 
 namespace gnomon {
@@ -59,9 +60,11 @@ Report make_report(const fs::path& dir, std::span<const Record> records, bool wi
     blobs.append(fmt::format("<script type=\"text/plain\" id=\"blob{}\">", k)).append(pictures.blobs[k]).append("</script>\n");
     pictures.blobs[k] = {};  // a long run's pictures fill memory once
   }
-  return {
-      .html = filled(page_template(), {{title_slot, html_text(title)}, {data_slot, script_text(data)}, {pictures_slot, blobs}}),
-      .notes = pictures.notes};
+  return {.html = filled(page_template(), {{title_slot, html_text(title)},
+                                           {colors_slot, color_variables()},
+                                           {data_slot, script_text(data)},
+                                           {pictures_slot, blobs}}),
+          .notes = pictures.notes};
 }
 
 }  // namespace gnomon

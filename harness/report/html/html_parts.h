@@ -14,6 +14,7 @@ std::string_view page_template();
 
 // The template contains these where the data are inserted.
 inline constexpr std::string_view title_slot = "@GNOMON_TITLE@";
+inline constexpr std::string_view colors_slot = "@GNOMON_COLORS@";
 inline constexpr std::string_view data_slot = "@GNOMON_DATA@";
 inline constexpr std::string_view pictures_slot = "@GNOMON_PICTURES@";
 

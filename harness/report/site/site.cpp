@@ -1,6 +1,7 @@
 #include "report/site/site.h"
 
 #include "measure/json.h"
+#include "report/figure/figure_style.h"
 #include "report/html/html_parts.h"
 #include "report/site/documents.h"
 #include "report/site/feed.h"
@@ -20,7 +21,7 @@ void add_assets(Folder& folder) {
   if (all.site.empty())
     throw Error(
         "this program was built without the scripts of the site (GNOMON_REPORT=OFF); `gnomon table` has the same numbers");
-  folder.write("assets/site.css", all.style);
+  folder.write("assets/site.css", color_variables() + std::string(all.style));
   folder.write("assets/site.js", all.site);
   folder.write("assets/report.js", all.report);
 }

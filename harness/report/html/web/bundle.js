@@ -20,7 +20,7 @@ const parts = {
   "@SCRIPT_HASH@": "sha256-" + createHash("sha256").update(script).digest("base64"),
 };
 const page = readFileSync(join(here, "page.html"), "utf8").replace(/@(STYLE|SCRIPT|SCRIPT_HASH)@/g, (slot) => parts[slot]);
-for (const slot of ["@GNOMON_TITLE@", "@GNOMON_DATA@", "@GNOMON_PICTURES@"]) {
+for (const slot of ["@GNOMON_TITLE@", "@GNOMON_COLORS@", "@GNOMON_DATA@", "@GNOMON_PICTURES@"]) {
   if (page.split(slot).length !== 2) throw new Error(`the page must hold ${slot} once`);
 }
 

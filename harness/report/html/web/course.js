@@ -7,7 +7,7 @@ import { clamp } from "./data.js";
 import { h, onWidth } from "./dom.js";
 
 const stroke = (color) => h("i", { class: "stroke", style: { background: color } });
-const color = "var(--series-5)";
+const color = "var(--series-1)";
 
 /** The values of a pixel by frame; NaN, a gap, where it does not face the light. */
 function samplesOf(film, { x, y }) {

@@ -14,7 +14,7 @@ const standardErrors = 1.96;
 /** Sides that are drawn: {side, name, color} of techniques, and the truths that they are compared with. */
 function seriesOf(sideA, sideB) {
   const techniques = [
-    { side: sideA, name: "A", color: "var(--series-5)" },
+    { side: sideA, name: "A", color: "var(--series-1)" },
     { side: sideB, name: "B", color: "var(--series-3)" },
   ].filter(({ side }) => side.row);
   const shown = techniques.length > 0 ? techniques.map(({ side }) => side.truth) : [sideA.truth];
