@@ -1,7 +1,7 @@
 // The page of a small run as a whole: what it may do, where it can be read, what it says when something is not there.
 
 import assert from "node:assert/strict";
-import { cpSync, mkdirSync, readFileSync, writeFileSync } from "node:fs";
+import { mkdirSync, readFileSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
 
@@ -19,7 +19,7 @@ import {
   shownRows,
 } from "./browser.js";
 import { contrast, distance } from "./sight.js";
-import { makeRun, report, run } from "./small_run.js";
+import { changedRun, makeRun, report, run } from "./small_run.js";
 
 before(async () => {
   assert.equal(makeRun().trim(), report);
@@ -122,16 +122,6 @@ test("on paper: light, whole tables, nothing to click", async () => {
   assert.ok(paper.length > 10000);
   await page.context().close();
 });
-
-/** A copy of the run whose records went through `change`. */
-function changedRun(name, change) {
-  const dir = join(home, name);
-  mkdirSync(dir);
-  for (const folder of ["masks", "frames"]) cpSync(join(run, folder), join(dir, folder), { recursive: true });
-  const lines = readFileSync(join(run, "records.jsonl"), "utf8").trim().split("\n");
-  writeFileSync(join(dir, "records.jsonl"), lines.map((line) => JSON.stringify(change(JSON.parse(line))) + "\n").join(""));
-  return dir;
-}
 
 test("text of records stays text", async () => {
   const evil = '</script><script>window.broken = 1</script><img src=x onerror="window.broken = 2">';

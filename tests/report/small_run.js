@@ -1,6 +1,6 @@
 // A small run with rows of every kind: right, wrong, approximate, failed, on a path.
 
-import { copyFileSync, writeFileSync } from "node:fs";
+import { copyFileSync, cpSync, mkdirSync, readFileSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 
 import { faults, gnomon, here, home } from "./browser.js";
@@ -34,4 +34,14 @@ export function makeRun() {
   writeFileSync(join(home, "small.toml"), suite);
   gnomon(["--plugin", faults, "run", join(home, "small.toml"), "--out", run, "--quiet"], { status: 1 });
   return gnomon(["report", run]);
+}
+
+/** A copy of the run whose records went through `change`, which returns one or a list. */
+export function changedRun(name, change) {
+  const dir = join(home, name);
+  mkdirSync(dir);
+  for (const folder of ["masks", "frames"]) cpSync(join(run, folder), join(dir, folder), { recursive: true });
+  const records = readFileSync(join(run, "records.jsonl"), "utf8").trim().split("\n").map((line) => JSON.parse(line));
+  writeFileSync(join(dir, "records.jsonl"), records.flatMap(change).map((record) => JSON.stringify(record) + "\n").join(""));
+  return dir;
 }

@@ -2,11 +2,12 @@
 
 import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
+import { join } from "node:path";
 import { after, before, test } from "node:test";
 
 import { tick } from "../../harness/report/html/web/digits.js";
-import { closeBrowser, dataOf, open, openBrowser, saved, settled, shownRows } from "./browser.js";
-import { makeRun, report, run } from "./small_run.js";
+import { closeBrowser, dataOf, gnomon, open, openBrowser, saved, settled, shownRows } from "./browser.js";
+import { changedRun, makeRun, report } from "./small_run.js";
 
 before(async () => {
   assert.equal(makeRun().trim(), report);
@@ -206,6 +207,33 @@ test("no word breaks inside", async () => {
 test("ticks say what they stand for", () => {
   const ticks = [0, 1.5e-7, 2e-7, 0.0015, 0.25, 12, 1.5e4, 2.5e6].map(tick);
   assert.deepEqual(ticks, ["0", "1.5e-7", "2e-7", "0.0015", "0.25", "12", "15 k", "2.5 M"]);
+});
+
+test("techniques that a plot shows differ in color, wherever in the run they are", async () => {
+  // Sixteen techniques at one place; the filter lets the first and the ninth pass.
+  const made = (record, k) => ({
+    ...record,
+    technique: `made_${k}`,
+    label: `${k % 8 === 0 ? "kept" : "other"} ${k}`,
+    job: k.toString(16).padStart(16, "0"),
+    place: k,
+  });
+  const is_source = ({ scene, light, path, settings }) =>
+    scene === "fence" && light === "point" && path === "" && settings === "resolution=64";
+  const sixteen = (record) => (is_source(record) ? Array.from({ length: 16 }, (_, k) => made(record, k)) : []);
+  const dir = changedRun("sixteen", sixteen);
+  gnomon(["report", dir, "--no-pictures"]);
+  const page = await open(join(dir, "report.html"));
+  assert.equal((await shownRows(page)).length, 16);
+  await page.locator("input[type=search]").fill("kept");
+  await page.locator(".card.front").scrollIntoViewIfNeeded();
+  await settled(page);
+  const points = page.locator(".card.front svg g[data-mark=dot]").locator("path, circle");
+  const colors = await points.evaluateAll((all) => all.map((point) => getComputedStyle(point).stroke));
+  assert.equal(colors.length, 2);
+  assert.notEqual(colors[0], colors[1]);
+  assert.deepEqual(page.troubles, []);
+  await page.context().close();
 });
 
 test("plots: a front that nothing beats, times by stage, growth, frames of the path", async () => {

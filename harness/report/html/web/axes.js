@@ -51,13 +51,13 @@ export const scalesOver = (domain) => ({
   symbol: { domain, range: domain.map((_, index) => symbols[index % symbols.length]) },
 });
 
-/** Scales of the techniques of some points: 8 colors and 7 symbols give 56 pairs, the same in every plot. */
+/**
+ * Scales of the techniques of some points, in the order of the run: 8 colors and 7 symbols give 56 pairs. Only those that the
+ * plot shows have one, so that no two of up to 8 have the same color.
+ */
 export function techniqueScales(points) {
   const used = new Set(points.map((point) => point.technique));
-  const isUsed = (_, index) => used.has(techniques[index]);
-  const part = ({ domain, range }) => ({ domain: domain.filter(isUsed), range: range.filter(isUsed) });
-  const { color, symbol } = scalesOver(techniques);
-  return { color: part(color), symbol: part(symbol) };
+  return scalesOver(techniques.filter((technique) => used.has(technique)));
 }
 
 /** Colors and symbols of points by technique, or by scene when there is only one technique. */

@@ -65,5 +65,5 @@ const namesOfGroups = (() => {
 
 export const groupName = (index) => namesOfGroups[index];
 
-/** Techniques in order of appearance. Their colors and symbols are the same in every plot and under every filter. */
+/** Techniques in order of appearance. */
 export const techniques = distinct(data.rows.map((row) => row.technique));
