@@ -15,13 +15,13 @@ before(async () => {
 });
 after(closeBrowser);
 
-test("the table has an error with its floor beside it, and what soft shadows alone have", async () => {
+test("the table has an error with its causes and its floor beside it, and what soft shadows alone have", async () => {
   const page = await open(report);
   const data = await dataOf(page);
   const headings = await page.locator("#table thead th").evaluateAll((cells) => cells.map((cell) => cell.dataset.column));
   const error = headings.indexOf("error");
   assert.ok(error > 0, String(headings));
-  assert.deepEqual(headings.slice(error, error + 3), ["error", "error_floor", "snapping_floor"]);
+  assert.deepEqual(headings.slice(error, error + 4), ["error", "causes", "error_floor", "snapping_floor"]);
   for (const name of ["other_error_mean", "penumbra_width_ratio", "penumbra_shift", "penumbra_noise"])
     assert.ok(headings.includes(name), name);
   const cells = (row) =>
@@ -31,10 +31,10 @@ test("the table has an error with its floor beside it, and what soft shadows alo
     hard = rowOf(data, "shadow_map:resolution=64", "bulb");
   const shown = await cells(soft);
   assert.equal(shown[error], data.rows[soft].texts[column("error")]);
-  assert.equal(shown[error + 1], data.rows[soft].texts[column("error_floor")]);
-  assert.equal(shown[error + 2], "-", "a floor of rasterizers");
+  assert.equal(shown[error + 2], data.rows[soft].texts[column("error_floor")]);
+  assert.equal(shown[error + 3], "-", "a floor of rasterizers");
   assert.ok(data.rows[soft].values[column("error_floor")] > 0);
-  assert.equal((await cells(hard))[error + 1], "-");
+  assert.equal((await cells(hard))[error + 2], "-");
   assert.equal(data.rows[hard].values[column("error")], data.rows[hard].values[column("wrong_rate")]);
   const best = rowOf(data, "exact_area");
   assert.match(await page.locator(`tr[data-row="${best}"] td.best`).allTextContents().then(String), /\u2605/);

@@ -28,14 +28,16 @@ const batch = 300;
 const staying = ["scene", "light", "technique"];
 
 /**
- * Columns that may be shown: first those that say which row this is, then its error with its floors and causes. Intervals are in
- * the cells of their times.
+ * Columns that may be shown: first those that say which row this is, then its error, the causes, and the error's floors.
+ * Intervals are in the cells of their times.
  */
 function allColumns() {
   const columns = data.columns.filter((column) => !isInterval(column) && column.name !== "causes");
   const named = (names) => names.map((name) => columns.find((column) => column.name === name)).filter(Boolean);
-  const errors = named(["error", "error_floor", "snapping_floor", "constant_error"]).filter((column) => column.is_headline);
-  const first = [...named(staying), ...errors, ...(withCauses.length > 0 ? [causesColumn] : [])];
+  const [error, floors] = [["error"], ["error_floor", "snapping_floor", "constant_error"]].map((names) =>
+    named(names).filter((column) => column.is_headline),
+  );
+  const first = [...named(staying), ...error, ...(withCauses.length > 0 ? [causesColumn] : []), ...floors];
   return [...first, ...columns.filter((column) => !first.includes(column))];
 }
 
