@@ -143,10 +143,21 @@ test("contenders are compared in pairs, and that three places are too few is sai
     await section.locator("tbody tr").count(),
     ranks.groups.reduce((sum, group) => sum + 1 + group.rows.length, 0),
   );
-  assert.deepEqual(
-    await section.locator("thead th").allTextContents(),
-    ranks.columns.map((column) => column.heading),
-  );
+  const headings = await section.locator("thead th").allTextContents();
+  assert.deepEqual(headings.slice(0, 4), ["technique", "against", "ratio", "verdict"]);
+  assert.deepEqual([...headings].sort(), ranks.columns.map((column) => column.heading).sort());
+  const texts = await section.locator("tbody tr:not(.title)").first().locator("td").allTextContents();
+  const cells = texts.map((text, k) => [headings[k], text]);
+  const [first] = ranks.groups[0].rows;
+  assert.deepEqual(Object.fromEntries(cells), Object.fromEntries(first.map((text, k) => [ranks.columns[k].heading, text])));
+  // On a phone the first four are in sight.
+  await page.setViewportSize({ width: 420, height: 900 });
+  await settled(page);
+  const room = await section.locator("tbody tr:not(.title)").first().evaluate((row) => {
+    const right = row.closest(".scroll").getBoundingClientRect().right;
+    return Math.min(right, innerWidth) - row.children[3].getBoundingClientRect().right;
+  });
+  assert.ok(room >= 0, `the verdict ends ${-room} pixels right of the window`);
   const text = await section.textContent();
   assert.match(text, /by error/);
   assert.match(text, /too few places, \d+ needed/);

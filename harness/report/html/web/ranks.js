@@ -3,6 +3,16 @@
 import { data } from "./data.js";
 import { breakable, h, list } from "./dom.js";
 
+/** What is read first: the program's columns in this order, then its others. */
+const leading = ["technique", "against", "ratio", "verdict"];
+
+function inReadingOrder({ columns, groups, ...ranks }) {
+  const first = leading.map((name) => columns.findIndex(({ heading }) => heading === name)).filter((index) => index >= 0);
+  const order = [...first, ...columns.keys()].filter((index, place, all) => all.indexOf(index) === place);
+  const sorted = (cells) => order.map((index) => cells[index]);
+  return { ...ranks, columns: sorted(columns), groups: groups.map((group) => ({ ...group, rows: group.rows.map(sorted) })) };
+}
+
 /** Builds the section, or removes it with its link where there are no two to compare. */
 export function showRanks(section) {
   if (!data.ranks) {
@@ -10,7 +20,7 @@ export function showRanks(section) {
     section.remove();
     return;
   }
-  const { title, columns, groups, notes } = data.ranks;
+  const { title, columns, groups, notes } = inReadingOrder(data.ranks);
   const kind = (column) => (column.is_left ? "text" : null);
   const headings = columns.map((column) => h("th", { scope: "col", class: kind(column) }, column.heading));
   const cell = (text, index) => h("td", { class: kind(columns[index]) }, columns[index].is_left ? breakable(text) : text);
@@ -18,7 +28,7 @@ export function showRanks(section) {
     h(
       "tbody",
       {},
-      h("tr", { class: "group" }, h("th", { scope: "rowgroup", class: "text", colspan: columns.length }, heading)),
+      h("tr", { class: "title" }, h("th", { scope: "rowgroup", class: "text", colspan: columns.length }, heading)),
       rows.map((row) => h("tr", {}, row.map(cell))),
     ),
   );
