@@ -6,6 +6,7 @@ import { join } from "node:path";
 import { after, before, test } from "node:test";
 
 import { tick } from "../../harness/report/html/web/digits.js";
+import { linesOf } from "../../harness/report/html/web/dom.js";
 import { closeBrowser, dataOf, gnomon, open, openBrowser, saved, settled, shownRows } from "./browser.js";
 import { changedRun, makeRun, report } from "./small_run.js";
 
@@ -191,6 +192,34 @@ test("plots by keyboard, and as files", async () => {
   assert.ok(!text.includes("var("), "colors are those of the page");
   assert.match(text, />shadow_map</);
   assert.deepEqual(page.troubles, []);
+  await page.context().close();
+});
+
+test("on a phone the settings of cost by stage are written out, in lines", async () => {
+  assert.deepEqual(linesOf("shadow_map:resolution=256,filter=pcf", 19), ["shadow_map:", "resolution=256,", "filter=pcf"]);
+  assert.deepEqual(linesOf("a:b=0123456789", 6), ["a:", "b=0123", "456789"]);
+  const page = await open(report, { viewport: { width: 420, height: 900 } });
+  await page.locator(".card.cost").scrollIntoViewIfNeeded();
+  await settled(page);
+  const place = Number(await page.locator(".card.cost select[name=where]").inputValue());
+  const labels = page.locator('.card.cost [data-mark="y-axis tick label"] text');
+  const lines = await labels.evaluateAll((all) =>
+    all.map((label) => {
+      const spans = [...label.querySelectorAll("tspan")];
+      return (spans.length > 0 ? spans : [label]).map((part) => part.textContent);
+    }),
+  );
+  const { rows } = await dataOf(page);
+  const titles = rows.filter((row) => row.group === place && row.status === "ok").map((row) => row.title);
+  assert.ok(titles.filter((title) => title.startsWith("shadow_map:")).length > 1, String(titles));
+  assert.deepEqual(lines.map((parts) => parts.join("")).sort(), titles.sort());
+  assert.ok(lines.some((parts) => parts.length > 1), String(lines));
+  // No label runs into the next one, or out of the card.
+  const boxes = await labels.evaluateAll((all) => all.map((label) => label.getBoundingClientRect().toJSON()));
+  boxes.sort((p, q) => p.top - q.top);
+  for (const [k, box] of boxes.entries())
+    assert.ok(box.left >= 0 && (k === 0 || box.top >= boxes[k - 1].bottom - 1), `label ${k} from above`);
+  await page.locator(".card.cost").screenshot({ path: saved("cost_phone.png") });
   await page.context().close();
 });
 

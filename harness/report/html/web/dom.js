@@ -20,10 +20,21 @@ export const list = (attributes, items) => h("ul", attributes, items.map((item) 
 /** A box in the color that a legend names. */
 export const swatch = (color) => h("i", { style: { background: color } });
 
-/** A name that may break after what joins its parts, and not inside a word: "shadow_" "map:" "resolution=256," "filter=pcf". */
-export function breakable(text) {
-  const parts = text.split(/(?<=[:,;/_])/);
-  return parts.flatMap((part, index) => (index === 0 ? [part] : [h("wbr"), part]));
+/** The parts of a name, each with what joins it to the next: "shadow_" "map:" "resolution=256," "filter=pcf". */
+const partsOf = (name) => name.split(/(?<=[:,;/_])/);
+
+/** A name that may break between its parts, and not inside a word. */
+export const breakable = (text) => partsOf(text).flatMap((part, index) => (index === 0 ? [part] : [h("wbr"), part]));
+
+/** A name in lines of up to so many letters: broken between its parts, inside a part that is longer than a line. */
+export function linesOf(name, letters) {
+  const pieces = partsOf(name).flatMap((part) => part.match(new RegExp(`.{1,${letters}}`, "gsu")) ?? []);
+  const lines = [""];
+  for (const piece of pieces) {
+    if (lines.at(-1) && lines.at(-1).length + piece.length > letters) lines.push("");
+    lines[lines.length - 1] += piece;
+  }
+  return lines;
 }
 
 /** A labeled list of options {value, text}. `set` replaces the options and keeps the choice where it can. */

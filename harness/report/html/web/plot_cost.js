@@ -5,7 +5,7 @@ import { barX, plot, pointerY, stackX, text, tip } from "@observablehq/plot";
 import { acrossOptions, between, frame } from "./axes.js";
 import { data, isOk, sum } from "./data.js";
 import { milliseconds, tick } from "./digits.js";
-import { toggle } from "./dom.js";
+import { linesOf, toggle } from "./dom.js";
 import { placeList } from "./places.js";
 import { stages } from "./quantities.js";
 
@@ -33,7 +33,9 @@ export function costCard(redraw) {
     const longest = Math.max(...rows.map((row) => row.title.length));
     const margin = Math.min(Math.max(70, longest * 6.6 + 16), width * 0.42);
     const letters = Math.floor((margin - 14) / 6.6);
-    const short = (name) => (name.length > letters ? `${name.slice(0, letters - 1)}\u2026` : name);
+    const wrapped = (key) => linesOf(title(key), letters);
+    const height = Math.max(24, 6 + 14 * Math.max(...keys.map((key) => wrapped(key).length)));
+    const inset = Math.max(1, (height - 22) / 2);
     const said = ({ stage, estimate }) => `${stage}: ${milliseconds(estimate.value)}${between(estimate, milliseconds)} ms`;
     const says = (key) => [title(key), ...partsAt(key).map(said)].join("\n");
     const bars = stackX({ x: (part) => part.estimate.value, y: "key", fill: "stage", order: names });
@@ -41,15 +43,15 @@ export function costCard(redraw) {
     const beside = { dx: 6, textAnchor: "start", fill: "var(--ink)" };
     return {
       plot: plot({
-        ...frame(width, 54 + 24 * rows.length),
+        ...frame(width, 54 + height * rows.length),
         marginLeft: margin,
         marginRight: 64,
         marginTop: 8,
         x: acrossOptions("milliseconds", { tickFormat: tick, ticks: Math.max(3, Math.floor((width - margin) / 90)) }),
-        y: { domain: order, label: null, tickFormat: (key) => short(title(key)), tickSize: 0 },
+        y: { domain: order, label: null, tickFormat: (key) => wrapped(key).join("\n"), tickSize: 0 },
         color: { domain: names, range: names.map((name) => `var(--stage-${name.replace("moving_", "")})`), legend: true },
         marks: [
-          barX(parts, { ...bars, insetTop: 1, insetBottom: 1 }),
+          barX(parts, { ...bars, insetTop: inset, insetBottom: inset }),
           text(order, { ...at, ...beside, text: (key) => milliseconds(total.get(key)) }),
           tip(order, pointerY({ ...at, title: says, fontSize: 12 })),
         ],
