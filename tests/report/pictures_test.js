@@ -229,6 +229,68 @@ test("up to four pictures beside one another zoom and choose pixels as one", asy
   await page.context().close();
 });
 
+test("a link shows the chosen pixel and the line of the profile", async () => {
+  const page = await openPictures("shadow_map:resolution=64");
+  await chooseMode(page, "beside");
+  const profile = page.locator("#pictures .toggle", { hasText: "profile" }).locator("input");
+  await profile.check();
+  const canvas = page.locator(".viewport canvas");
+  await canvas.focus();
+  // The line from 60, 45 to 70, 45; the pixel 70, 45 is chosen, as the read-out says when the pointer has left, and outlined.
+  await page.keyboard.press("ArrowRight"); // the middle, 80, 45
+  for (const [times, key] of [[2, "Shift+ArrowLeft"], [1, "p"], [1, "Shift+ArrowRight"], [1, "p"], [6, "+"]])
+    for (let k = 0; k < times; ++k) await page.keyboard.press(key);
+  await page.locator("select[name=profile]").selectOption("difference");
+  const parts = ["pixel=70-45", "line=60-45-70-45", "profile=difference"];
+  await page.waitForFunction((parts) => parts.every((part) => location.hash.includes(part)), parts);
+  await canvas.evaluate((element) => element.blur());
+  await page.waitForTimeout(300); // longer than an address lags behind
+  const again = await open(page.url().slice("file://".length));
+  const seen = async (of) => {
+    await of.locator(".card.profile svg[role=img]").waitFor();
+    await settled(of);
+    const canvases = of.locator("#pictures .pictures > div:not([hidden]) canvas");
+    const pictures = await canvases.evaluateAll((all) => all.map((one) => one.toDataURL()));
+    const paths = of.locator(".card.profile svg[role=img] [data-mark=line] path");
+    const lines = await paths.evaluateAll((all) => all.map((line) => line.getAttribute("d")));
+    return { pictures, lines, says: await readOut(of), lead: await of.locator(".card.profile .lead").textContent() };
+  };
+  const [there, here] = [await seen(page), await seen(again)];
+  assert.equal(here.says.pixel, "70, 45");
+  assert.equal(here.lead, "From pixel 60, 45 to 70, 45: 10.0 pixels.");
+  assert.ok(here.pictures.length === 2 && here.lines.length > 0);
+  assert.deepEqual(here, there);
+  assert.deepEqual(again.troubles, []);
+  await again.context().close();
+  // Pixels outside the picture are left out.
+  const wrong = await open(`${report}#?a=0&pixel=999-1&line=1-2-3&profile=x`);
+  await settled(wrong);
+  assert.equal((await readOut(wrong)).pixel, "-");
+  assert.ok(await wrong.locator(".card.profile").isVisible());
+  assert.deepEqual(wrong.troubles, []);
+  await wrong.context().close();
+  await profile.uncheck();
+  await page.waitForFunction(() => !location.hash.includes("line="));
+  await page.context().close();
+});
+
+test("a click keeps its pixel when the pointer leaves, another one lets it go", async () => {
+  const page = await openPictures("shadow_map:resolution=64");
+  const { x, y } = await placeOf(page, shadow);
+  const leave = () => page.mouse.move(2, y);
+  await page.mouse.move(x, y);
+  assert.equal((await readOut(page)).pixel, "69, 45");
+  await leave();
+  assert.equal((await readOut(page)).pixel, "-");
+  await page.mouse.click(x, y);
+  await leave();
+  assert.equal((await readOut(page)).pixel, "69, 45");
+  await page.mouse.click(x, y);
+  await leave();
+  assert.equal((await readOut(page)).pixel, "-");
+  await page.context().close();
+});
+
 test("a link shows what was seen", async () => {
   const page = await openPictures("shadow_map:resolution=64");
   await chooseMode(page, "causes");

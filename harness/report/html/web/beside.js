@@ -9,10 +9,10 @@ export const noChoice = "none";
 
 /**
  * Views of further pictures beside `main`, all in `element`. `paint(k, context, view)` draws picture k, from 1 on; `read(pixel)`
- * reads a pixel; `load()` follows a choice of C or D.
+ * reads a pixel; `load()` follows a choice of C or D; `onkeep()` a pixel that a click or a key keeps.
  */
 export class Beside {
-  constructor(main, { paint, read, load }) {
+  constructor(main, { paint, read, load, onkeep }) {
     this.main = main;
     this.read = read;
     this.labels = names.map(() => h("div", { class: "labels", "aria-hidden": "true" }));
@@ -29,6 +29,8 @@ export class Beside {
       view.element.append(this.labels[k]);
       view.onzoom = () => (view.is_resizing ? this.align([view], this.main) : this.follow(view));
     });
+    this.onkeep = onkeep;
+    for (const view of [main, ...this.views]) view.onkeep = (pixel) => this.keep(pixel);
     this.lists = names.slice(1).map((name) => chooser(name.toLowerCase(), [], load, name));
     this.element = h("div", { class: "pictures" }, main.element, this.views.map(({ element }) => element));
     this.show([]);
@@ -79,5 +81,11 @@ export class Beside {
     if (this.is_on) for (const view of [this.main, ...this.views]) if (view !== leader && !view.element.hidden) view.point(pixel);
     this.is_choosing = false;
     this.read(pixel);
+  }
+
+  /** Keeps the pixel in all of them. */
+  keep(pixel) {
+    for (const view of [this.main, ...this.views]) view.kept = pixel;
+    this.onkeep();
   }
 }

@@ -14,7 +14,7 @@ import { placesOf, readPlace, rowsOf } from "./place_pictures.js";
 import { Profile } from "./profile.js";
 import { readOut } from "./read_out.js";
 import { Tone } from "./tone.js";
-import { Viewport } from "./viewport.js";
+import { Viewport, zoomButtons } from "./viewport.js";
 
 const modes = [
   { name: "wipe", text: "Wipe", a: true, b: true },
@@ -49,7 +49,7 @@ class Comparer {
       this.address?.keep();
     });
     this.line = new LineTool(() => this.profileLine());
-    this.profile = new Profile((pixel) => this.mark(pixel));
+    this.profile = new Profile((pixel) => this.mark(pixel), () => this.address?.keep());
     this.view = new Viewport({
       paint: (context, view) => this.paint(context, view),
       onpixel: (pixel) => (this.beside ? this.beside.choose(this.view, pixel) : this.read(pixel)),
@@ -61,6 +61,7 @@ class Comparer {
       paint: (k, context, view) => this.paintOne(k, context, view),
       read: (pixel) => this.read(pixel),
       load,
+      onkeep: () => this.address?.keep(),
     });
     this.view.onzoom = () => {
       this.beside.follow(this.view);
@@ -97,15 +98,6 @@ class Comparer {
       return (this.switches[member] = toggle(label, change, this[member]));
     };
     const has_all_light = data.rows.some((row) => row.pictures?.global !== undefined);
-    const zoom = (text, label, act) => h("button", { type: "button", title: label, "aria-label": label, onclick: act }, text);
-    const zooms = [
-      zoom("\u2212", "Zoom out", () => this.view.zoomAtPixel(1 / 1.5)),
-      this.zoomed,
-      zoom("+", "Zoom in", () => this.view.zoomAtPixel(1.5)),
-      zoom("Fit", "Fit the whole picture", () => this.view.fit()),
-      zoom("1:1", "One to one", () => this.view.zoomTo(1)),
-      zoom("8:1", "Pixels as squares of eight", () => this.view.zoomTo(8)),
-    ];
     return [
       h("div", { class: "bar" }, this.where.element, this.a.element, this.b.element, this.beside.lists.map((list) => list.element)),
       h(
@@ -118,8 +110,8 @@ class Comparer {
         this.tone.elements,
         has_all_light && switchOf("shows_all_light", "all light"),
         switchOf("has_contours", "contours"),
-        toggle("profile", (on) => this.setProfile(on)),
-        h("span", { class: "group zooms" }, zooms),
+        (this.profiled = toggle("profile", (on) => this.setProfile(on))),
+        h("span", { class: "group zooms" }, zoomButtons(this.view, this.zoomed)),
       ),
     ];
   }
@@ -185,7 +177,7 @@ class Comparer {
 
   /** Shows or hides the line and its profile. */
   setProfile(is_on) {
-    this.line.is_on = is_on;
+    this.line.is_on = this.profiled.querySelector("input").checked = is_on;
     this.view.tool = is_on ? this.line : null;
     this.view.element.classList.toggle("drawing", is_on);
     this.setMode(this.mode);
@@ -202,6 +194,7 @@ class Comparer {
     }
     this.mark(null);
     this.profile.set(frame, this.sideA, this.sideB, line.is_on ? line.line : null);
+    this.address?.keep();
   }
 
   /** Marks and reads the pixel of the line that is under the pointer in the profile. */

@@ -1,4 +1,4 @@
-// What the comparer shows, in the page's address: places, sides, mode, switches, zoom.
+// What the comparer shows, in the page's address: places, sides, mode, switches, zoom, the kept pixel, the profile's line.
 
 import { noChoice } from "./beside.js";
 import { onRecall, recalled, recalledNumber, remember } from "./page_state.js";
@@ -10,6 +10,17 @@ const switches = [
   ["has_contours", "contours", false],
 ];
 
+/** Pixels as "12-34-56-78"; false of none. */
+const textOf = (pixels) => pixels?.every(Boolean) && pixels.map(({ x, y }) => `${x}-${y}`).join("-");
+
+/** So many pixels that the address has under a name, or null where one of them is no pixel of the size. */
+function recalledPixels(name, count, { width, height }) {
+  const text = recalled(name) ?? "";
+  const numbers = /^\d+(-\d+)*$/.test(text) ? text.split("-").map(Number) : [];
+  const pixels = Array.from({ length: count }, (_, k) => ({ x: numbers[2 * k], y: numbers[2 * k + 1] }));
+  return numbers.length === 2 * count && pixels.every(({ x, y }) => x < width && y < height) ? pixels : null;
+}
+
 export class ComparerAddress {
   /** Shows in the comparer what the address says, now and whenever another address of the page is opened. */
   constructor(comparer, modes) {
@@ -20,7 +31,7 @@ export class ComparerAddress {
 
   /** What is shown, in texts. The view is that of its middle, which fits a canvas of another size. */
   get shown() {
-    const { where, a, b, mode, scale, divider, view, beside, tone } = this.comparer;
+    const { where, a, b, mode, scale, divider, view, beside, tone, line, profile } = this.comparer;
     return {
       where: where.value,
       a: a.value,
@@ -34,6 +45,9 @@ export class ComparerAddress {
       ),
       exposure: tone.gain !== 1 && tone.exposure.value,
       false_colors: tone.is_false && "on",
+      pixel: textOf([view.kept]),
+      profile: line.is_on && profile.shows.value,
+      line: line.is_on && textOf(line.line),
       ...(view.is_fit ? { zoom: null, x: null, y: null } : view.middle),
     };
   }
@@ -66,8 +80,22 @@ export class ComparerAddress {
     this.wanted = zoom > 0 && x !== null && y !== null ? { zoom, x, y } : "fit";
     await comparer.load();
     if (this.is_recalling !== turn) return;
+    this.recallPixels();
     this.is_recalling = false;
     this.keep();
+  }
+
+  /** The kept pixel and the line, of which a picture of another size has none. */
+  recallPixels() {
+    const { beside, frame, line, profile, view } = this.comparer;
+    if (!frame) return;
+    const [pixel] = recalledPixels("pixel", 1, frame) ?? [null];
+    beside.keep(pixel);
+    view.point(pixel);
+    const ends = recalledPixels("line", 2, frame);
+    if (ends) Object.assign(line, { line: ends, place: frame.place });
+    profile.shows.value = recalled("profile") === "difference" ? "difference" : "visibility";
+    this.comparer.setProfile(recalled("profile") !== null);
   }
 
   /** Zooms a view that has its size to what the address says, once. */

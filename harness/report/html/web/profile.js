@@ -21,15 +21,18 @@ function seriesOf(sideA, sideB) {
   return { techniques, truths: distinct(shown) };
 }
 
-/** The card below the picture. Calls `onpoint(pixel)` with the pixel of the line that the pointer is at in the plot, or null. */
+/**
+ * The card below the picture. Calls `onpoint(pixel)` with the pixel of the line that the pointer is at in the plot, or null, and
+ * `onchoice()` when the reader chooses what it is of.
+ */
 export class Profile {
-  constructor(onpoint) {
+  constructor(onpoint, onchoice) {
     this.onpoint = onpoint;
     const choices = [
       { value: "visibility", text: "visibility" },
       { value: "difference", text: "difference to the reference" },
     ];
-    this.shows = chooser("profile", choices, () => this.redraw(), "profile of");
+    this.shows = chooser("profile", choices, () => { this.redraw(); onchoice(); }, "profile of");
     this.figure = h("figure");
     this.key = h("ul", { class: "swatches", "aria-label": "Lines of the profile" });
     this.lead = h("p", { class: "lead" });

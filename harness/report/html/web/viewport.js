@@ -7,8 +7,9 @@ const largest = 64; // CSS pixels of a picture's pixel, at most
 
 /**
  * `paint(context, view)` draws in screen pixels, view = {scale, x, y, width, height}: the picture's pixel (0, 0) is at x, y.
- * Calls `onpixel(pixel)` with the pixel {x, y} under the pointer, or null. A `tool` takes the drags of one pointer unless Shift
- * is held, and keys of its own (see LineTool). `name` is the class of its element.
+ * Calls `onpixel(pixel)` with the pixel {x, y} under the pointer, or null. A click or an arrow key keeps a pixel, which is the one
+ * after the pointer has left; `onkeep(pixel)` is called with it. A `tool` takes the drags of one pointer unless Shift is held, and
+ * keys of its own (see LineTool). `name` is the class of its element.
  */
 export class Viewport {
   constructor({ paint, onpixel, label, name = "viewport" }) {
@@ -19,6 +20,7 @@ export class Viewport {
     this.element = h("div", { class: name }, this.canvas);
     this.pointers = new Map();
     this.pixel = null;
+    this.kept = null;
     this.tool = null;
     this.listen();
     new ResizeObserver(() => this.resized()).observe(this.element);
@@ -28,6 +30,7 @@ export class Viewport {
   setSize(width, height) {
     if (this.size.width === width && this.size.height === height) return;
     this.size = { width, height };
+    this.pixel = this.kept = null; // those of another picture
     this.canvas.style.aspectRatio = `${width} / ${height}`;
     this.resized();
     this.is_resizing = true;
@@ -138,6 +141,11 @@ export class Viewport {
     this.point(this.pixelAt(this.position(event)));
   }
 
+  keep(pixel) {
+    this.kept = pixel;
+    this.onkeep?.(pixel);
+  }
+
   /** The picture's pixel that is nearest to a pixel's place, which may be outside. */
   inside({ x, y }) {
     return { x: clamp(x, 0, this.size.width - 1), y: clamp(y, 0, this.size.height - 1) };
@@ -193,6 +201,7 @@ export class Viewport {
       if (event.button !== 0) return;
       canvas.setPointerCapture(event.pointerId);
       this.pointers.set(event.pointerId, this.position(event));
+      this.pressed = this.pointers.size === 1 ? event : null;
       this.drop(true);
       this.is_grabbed = this.grab(event);
       this.pointAt(event);
@@ -207,14 +216,23 @@ export class Viewport {
       canvas.addEventListener(end, (event) => {
         this.drop(end === "pointercancel");
         this.pointers.delete(event.pointerId);
+        if (end === "pointerup") this.click(event);
       });
-    canvas.addEventListener("pointerleave", (event) => event.pointerType === "mouse" && this.point(null));
+    canvas.addEventListener("pointerleave", (event) => event.pointerType === "mouse" && this.point(this.kept));
     canvas.addEventListener("dblclick", (event) => {
       if (this.tool) return;
       const { x, y } = this.position(event);
       this.zoomBy(2, x, y);
     });
     canvas.addEventListener("keydown", (event) => this.key(event));
+  }
+
+  /** A click keeps its pixel; one on the kept pixel, or beside the picture, keeps none. */
+  click(event) {
+    const { pressed, pixel, kept } = this;
+    this.pressed = null;
+    if (!pressed || Math.hypot(event.clientX - pressed.clientX, event.clientY - pressed.clientY) > 3) return;
+    this.keep(pixel && kept && pixel.x === kept.x && pixel.y === kept.y ? null : pixel);
   }
 
   /** Zooms once the picture has the focus: a page that scrolls under the pointer must not start to zoom. */
@@ -248,6 +266,7 @@ export class Viewport {
       const { width, height } = this.size;
       const from = this.pixel ?? { x: Math.floor(width / 2) - dx, y: Math.floor(height / 2) - dy };
       this.point(this.inside({ x: from.x + dx, y: from.y + dy }));
+      this.keep(this.pixel);
       this.follow();
     } else if (this.tool?.key(event.key, this.pixel)) this.draw();
     else if (event.key === "+" || event.key === "=") this.zoomAtPixel(1.5);
@@ -264,4 +283,17 @@ export class Viewport {
     const out = (value, room) => Math.min(0, value - scale) + Math.max(0, value + scale - room);
     this.place(scale, this.view.x - out(at.x, width), this.view.y - out(at.y, height));
   }
+}
+
+/** Buttons that zoom a view, around what says its zoom. */
+export function zoomButtons(view, zoomed) {
+  const button = (text, label, act) => h("button", { type: "button", title: label, "aria-label": label, onclick: act }, text);
+  return [
+    button("\u2212", "Zoom out", () => view.zoomAtPixel(1 / 1.5)),
+    zoomed,
+    button("+", "Zoom in", () => view.zoomAtPixel(1.5)),
+    button("Fit", "Fit the whole picture", () => view.fit()),
+    button("1:1", "One to one", () => view.zoomTo(1)),
+    button("8:1", "Pixels as squares of eight", () => view.zoomTo(8)),
+  ];
 }
