@@ -1,4 +1,5 @@
-// A report of 200 rows with pictures of 640 x 360: below 30 MB, open in less than 30 loops: 3 s where a loop takes 0.1 s.
+// A report of 2,000 rows, 200 of them with pictures of 640 x 360: below 30 MB, open in less than 30 loops: 3 s where a loop takes
+// 0.1 s. Pictures of all rows would take a minute to make; the page reads a picture when it is shown.
 //
 // How fast the page is, is judged by the processor time of the browser. Its unit is a loop that the same browser runs just
 // before and just after it. It takes about as long as the loop of tests/budget, and longer on a slow or busy machine. By the
@@ -11,7 +12,9 @@ import { after, before, test } from "node:test";
 
 import { closeBrowser, costOf, dataOf, gnomon, home, newPage, openBrowser, screenshot, shownRows } from "./browser.js";
 
-const wanted_rows = 200;
+const wanted_rows = 2000;
+const pictured_rows = 200;
+const drawn_rows = 300; // when the page opens
 const run = join(home, "measured"),
   large = join(home, "large");
 const suite = `
@@ -34,7 +37,7 @@ before(async () => {
 });
 after(closeBrowser);
 
-/** The rows of the run again and again under other names, each with a mask of its own, until there are enough. */
+/** The rows of the run again and again under other names, until there are enough; the first ones each with a mask of its own. */
 function multiply() {
   mkdirSync(join(large, "masks"), { recursive: true });
   const measured = readFileSync(join(run, "records.jsonl"), "utf8")
@@ -51,6 +54,7 @@ function multiply() {
       job: k.toString(16).padStart(16, "0"),
       label: copy ? `${source.label ?? source.technique} ${copy}` : source.label,
     };
+    if (k >= pictured_rows) row.mask = null;
     if (row.mask) {
       row.mask = `masks/${k}.exr`;
       copyFileSync(join(run, source.mask), join(large, row.mask));
@@ -60,7 +64,7 @@ function multiply() {
   writeFileSync(join(large, "records.jsonl"), rows.map((row) => JSON.stringify(row) + "\n").join(""));
 }
 
-test("200 rows with pictures: small and quick", async () => {
+test("2,000 rows, 200 of them with pictures: small and quick", async () => {
   const start = Date.now();
   const file = gnomon(["report", large]).trim();
   const made = Date.now() - start,
@@ -81,13 +85,14 @@ test("200 rows with pictures: small and quick", async () => {
   const page = await newPage();
   await takesLessThan(30, "opening", async () => {
     await page.goto(`file://${file}`, { waitUntil: "load" });
-    assert.equal((await shownRows(page)).length, wanted_rows);
+    assert.equal((await shownRows(page)).length, drawn_rows);
   });
 
   const { rows } = await dataOf(page);
-  assert.ok(rows.filter((row) => row.pictures).length > 0.8 * wanted_rows);
+  assert.equal(rows.length, wanted_rows);
+  assert.ok(rows.filter((row) => row.pictures).length > 0.8 * pictured_rows);
   await takesLessThan(15, "sorting", () => page.locator('th[data-column="resolve_ms"] button').click());
-  const last = rows.findLastIndex((row) => row.pictures);
+  const last = (await shownRows(page)).findLast((row) => rows[row].pictures);
   await takesLessThan(20, "a picture", async () => {
     await page.locator(`tr[data-row="${last}"] .picture`).click();
     await page.waitForFunction((name) => document.querySelector(".labels")?.textContent.includes(name), rows[last].title);
