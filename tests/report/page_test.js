@@ -94,6 +94,21 @@ test("every two colors of plots are told apart by any eyes, on light and on dark
   }
 });
 
+test("in windows of any width nothing hangs over the side, and nothing is said on the console", async () => {
+  for (const width of [1400, 800, 420]) {
+    const page = await open(report, { viewport: { width, height: 900 } });
+    for (const id of ["table", "plots", "ranks", "pictures", "about"]) {
+      await page.locator(`#${id}`).scrollIntoViewIfNeeded();
+      await settled(page);
+      assert.equal(await page.evaluate(() => document.documentElement.scrollWidth), width, id);
+    }
+    assert.deepEqual(page.troubles, [], `at ${width} pixels`);
+    await page.evaluate(() => scrollTo(0, 0));
+    await screenshot(page, `width_${width}`, { fullPage: true });
+    await page.context().close();
+  }
+});
+
 test("on a phone nothing hangs over the side", async () => {
   const page = await open(report, {
     viewport: { width: 360, height: 740 },
