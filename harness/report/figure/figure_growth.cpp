@@ -98,7 +98,12 @@ void add_series(const Growth& growth, const DrawnGrowths& drawn, FigureScript& s
                                   drawn.scale * point.value.high));
   panel.plot.add(name, "{} using 1:2:3:4 with yerrorbars pt {} ps 0.7 lc rgb '{}' notitle", script.data(lines), mark, color);
   if (!growth.exponent) return;
-  const double from = growth.points.front().x, to = growth.points.back().x, exponent = growth.exponent->value;
+  // The line spans what it was fitted to.
+  Extent xs;
+  for (const Growth::Point& point : growth.points)
+    if (point.is_fitted()) xs.add(point.x);
+  const auto [from, to] = xs;
+  const double exponent = growth.exponent->value;
   const auto at = [&](double x) { return drawn.scale * growth.coefficient * std::pow(x, exponent); };
   panel.plot.add(fmt::format("{}, {} to the power {:.2f}", name, drawn.axis, exponent),
                  "{} using 1:2 with lines lw 1.2 dt {} lc rgb '{}' notitle",
@@ -107,8 +112,8 @@ void add_series(const Growth& growth, const DrawnGrowths& drawn, FigureScript& s
   panel.exponents.push_back({at(to), fmt::format("{:.2f}", std::abs(exponent) < 0.005 ? 0.0 : exponent), std::string(color)});
 }
 
-/// Exponents are written where their lines end, pushed apart upward where they would cover one another. More than a few would
-/// be far from their lines and are left out; the table has them all.
+/// Exponents are written at the height where their lines end, within the panel, pushed apart upward where they would cover one
+/// another. More than a few would be far from their lines and are left out; the table has them all.
 void label_exponents(std::vector<ExponentLabel> labels, double x, double bottom, double top, double height_cm,
                      FigureScript& script) {
   if (labels.size() > 8) return;
@@ -116,7 +121,7 @@ void label_exponents(std::vector<ExponentLabel> labels, double x, double bottom,
   const double step = std::pow(top / bottom, 0.34 / height_cm);
   double highest = top / std::pow(step, static_cast<double>(labels.size()));  // leaves room for those above
   for (std::size_t k = 0; k < labels.size(); ++k, highest *= step) {
-    if (k > 0) labels[k].y = std::max(labels[k].y, labels[k - 1].y * step);
+    labels[k].y = std::max(labels[k].y, k > 0 ? labels[k - 1].y * step : bottom * std::sqrt(step));
     script.add("set label {} at {},{} left offset 0.8,0 textcolor rgb '{}'", FigureScript::quoted(labels[k].text), x,
                std::min(labels[k].y, highest), labels[k].color);
   }
@@ -140,7 +145,8 @@ void draw_growth(std::span<const Record> records, FigureScript& script) {
   add_legend(drawn, script);
   for (const Growth* growth : drawn.rows) {
     add_series(*growth, drawn, script, panels[drawn.panel_of(*growth)]);
-    for (const Growth::Point& point : growth->points) xs.push_back(point.x);
+    for (const Growth::Point& point : growth->points)
+      if (point.is_fitted()) xs.push_back(point.x);
   }
 
   const std::string y_label = is_time ? "time (ms)" : axis_label(column);

@@ -115,6 +115,23 @@ TEST(figure, no_error_at_all_has_its_place_on_a_logarithmic_axis) {
   EXPECT_TRUE(has(script, "set ytics add ('0' 2.5)")) << script;  // a fourth of the least, 10 %
 }
 
+/// What follows the first `before` in the text, as a number.
+double number_after(const std::string& text, const std::string& before) {
+  const std::size_t at = text.find(before);
+  return at == text.npos ? NAN : std::strtod(text.c_str() + at + before.size(), nullptr);
+}
+
+TEST(figure, exponents_stay_within_their_panel) {
+  // log10 of the times 3, 0, 0, 0 at log2 of the sizes 8 .. 11: slope -0.9, and the line ends at -0.6, below all points.
+  const std::vector<Record> records{row(256, 1000, 0), row(512, 1, 0), row(1024, 1, 0), row(2048, 1, 0)};
+  FigureOptions options{.width_cm = 8.5};
+  options.analysis.x = "size";
+  const std::string script = figure_script(records, "growth", options, "f.svg");
+  const double bottom = number_after(script, "set yrange ["), label = number_after(script, "set label '-2.99' at 2048,");
+  EXPECT_GT(bottom, std::pow(10, -0.6)) << script;
+  EXPECT_GT(label, bottom) << script;
+}
+
 /// The colors that curves and legend of a program have.
 std::set<std::string> colors_in(const std::string& script) {
   std::set<std::string> colors;
