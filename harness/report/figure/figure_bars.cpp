@@ -4,7 +4,7 @@
 #include <numeric>
 
 #include "measure/score/record_causes.h"
-#include "report/figure/figure_script.h"
+#include "report/figure/figure_axis.h"
 #include "report/table/digits.h"
 
 namespace gnomon {
@@ -62,8 +62,8 @@ Bars bars_of(std::span<const Record> records, auto has) {
 }
 
 /// The frame of a figure of horizontal bars, the first on top; `right_cm` of it are for numbers behind them. Names that are
-/// longer than a good third of the figure go on in further lines, for which all bars get room.
-void open_bars(FigureScript& script, std::span<const Bar> bars, const std::string& x_label, double right_cm) {
+/// longer than a good third of the figure go on in further lines, for which all bars get room. Returns what lies within.
+PanelGrid open_bars(FigureScript& script, std::span<const Bar> bars, const std::string& x_label, double right_cm) {
   const double width = script.options.width_cm, most_cm = 0.4 * width - 0.4;
   if (bars.size() > 60)
     throw Error("{} settings are more than the 60 that one figure holds; --filter chooses among them", bars.size());
@@ -90,6 +90,7 @@ void open_bars(FigureScript& script, std::span<const Bar> bars, const std::strin
   script.add("set ytics ({}) scale 0", joined(names, ", "));
   script.add("set xlabel {}", FigureScript::quoted_lines(x_label, width - left_cm));
   script.add("set style fill solid 1 noborder");
+  return {.width_cm = width - left_cm - right_cm};
 }
 
 std::string box_line(double from, double to, std::size_t bar) {
@@ -192,6 +193,7 @@ void draw_stages(std::span<const Record> records, FigureScript& script) {
   if (bars.empty()) throw Error("there is nothing to draw: no place has {} of every setting", with_and(names));
 
   std::vector<std::string> totals;
+  double greatest = 0;
   for (const Bar& bar : bars) {
     std::vector<Sample> samples;
     for (const Record* row : bar.rows) samples.push_back(sample_of(*row, parts));
@@ -199,6 +201,7 @@ void draw_stages(std::span<const Record> records, FigureScript& script) {
       return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
     });
     totals.push_back(fmt::format("{}\t{}\t{}\t{}", total.value, totals.size() + 1, total.low, total.high));
+    greatest = std::max(greatest, total.high);
     for (std::size_t k = 0; k < parts.size(); ++k) {
       double& mean = pieces[k].lengths.emplace_back(0);
       for (const Record* row : bar.rows)
@@ -210,8 +213,8 @@ void draw_stages(std::span<const Record> records, FigureScript& script) {
   plot.add(interval, "{} using 1:2:3:4 with xerrorbars pt -1 {} notitle", script.data(totals), interval_style);
   script.legend.push_back({"with lines " + interval_style, interval});
   script.shows = "time of " + with_and(names) + places.over_text();
-  open_bars(script, bars, "time (ms)" + places.over_text(), 0.9);
-  script.add("set xrange [0:*]");
+  const PanelGrid grid = open_bars(script, bars, "time (ms)" + places.over_text(), 0.9);
+  script.add("set xrange [0:*]; set xtics {}", linear_step(0, greatest, grid.x_labels()));
   plot.into(script);
   close_panels(script);
 }
@@ -236,13 +239,13 @@ void draw_causes(std::span<const Record> records, FigureScript& script) {
   const bool is_hard = std::ranges::all_of(bars, [&](const Bar& bar) { return std::ranges::all_of(bar.rows, is_hard_row); });
   const std::string share = is_hard ? "share of the wrong pixels (%)" : "share of the error (%)";
   script.shows = share + " by cause" + places.over_text();
-  open_bars(script, bars, share + places.over_text(), 2.2);
+  const PanelGrid grid = open_bars(script, bars, share + places.over_text(), 2.2);
   for (std::size_t k = 0; k < bars.size(); ++k)
     script.add("set label {} at 101.5,{} left textcolor rgb '#222222'",
                FigureScript::quoted(measured(100 * shares[k].error) + " %"), k + 1);
   script.add("set label 'error' at 101.5,0.2 left textcolor rgb '#666666'");
   script.add("set yrange [{}:-0.2]", static_cast<double>(bars.size()) + 0.6);
-  script.add("set xrange [0:100]");
+  script.add("set xrange [0:100]; set xtics {}", linear_step(0, 100, grid.x_labels(3)));
   plot.into(script);
   close_panels(script);
 }

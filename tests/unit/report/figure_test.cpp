@@ -132,6 +132,15 @@ TEST(figure, exponents_stay_within_their_panel) {
   EXPECT_GT(label, bottom) << script;
 }
 
+TEST(figure, bars_have_as_many_tics_as_have_room) {
+  std::vector<Record> records = some();
+  const auto script = [&](double width_cm) { return figure_script(records, "causes", {.width_cm = width_cm}, "f.svg"); };
+  EXPECT_TRUE(has(script(16), "set xrange [0:100]; set xtics 10")) << script(16);
+  for (Record& r : records) r.technique = "a_technique_with_a_long_name_beside_its_bar";
+  // 8.5 cm less 3.5 of the name and 2.2 of the error hold three numbers of three digits.
+  EXPECT_TRUE(has(script(8.5), "set xrange [0:100]; set xtics 50")) << script(8.5);
+}
+
 /// The colors that curves and legend of a program have.
 std::set<std::string> colors_in(const std::string& script) {
   std::set<std::string> colors;
