@@ -181,6 +181,7 @@ void draw_stages(std::span<const Record> records, FigureScript& script) {
   const std::span<const TimedPart> parts = parts_of(script.options.bars);
   if (parts.empty())
     throw Error("--cost {} has no stages: bars are of resolve, light, geometry or motion", name(script.options.bars));
+  require_drawable_times(records);
   Bars places = bars_of(records, [&](const Record& r) { return sample_of(r, parts).is_timed(); });
   std::vector<Bar>& bars = places.all;
   std::erase_if(bars, [](const Bar& bar) { return bar.role == Role::baseline; });
@@ -220,6 +221,7 @@ void draw_stages(std::span<const Record> records, FigureScript& script) {
 }
 
 void draw_causes(std::span<const Record> records, FigureScript& script) {
+  require_drawable(records, quantity_column("error"));
   Bars places = bars_of(records, [](const Record& r) { return r.causes && r.metric("error"); });
   std::vector<Bar>& bars = places.all;
   std::erase_if(bars, [](const Bar& bar) { return bar.role != Role::contender; });

@@ -34,6 +34,7 @@ class FrontPanel {
     for (std::size_t i = 0; i < field.candidates.size(); ++i) {
       const Candidate& c = field.candidates[i];
       if (c.role == Role::baseline || !c.cost || c.cost->value <= 0) continue;
+      require_not_negative(c.error, options.metric);
       shown_.push_back(&c);
       if (stands[i].standing == Standing::front) front_.push_back(&c);
       if (c.error > 0) errors_.add(c.error * error_column_.shown_scale);
@@ -193,6 +194,8 @@ std::string title_of(const Field& field, std::span<const Place> places) {
 
 void draw_front(std::span<const Record> records, FigureScript& script) {
   const AnalysisOptions& wanted = script.options.analysis;
+  require_drawable(records, quantity_column(wanted.metric));
+  require_drawable_times(records);
   const std::vector<Field> all = find_fields(records, {.error = wanted.metric, .cost = wanted.cost});
   std::vector<FrontPanel> panels;
   std::vector<std::string> settings;

@@ -35,13 +35,13 @@ struct GrowthPanel {
   std::vector<ExponentLabel> exponents;
 };
 
-bool is_drawn(const Growth& growth) {
-  return growth.role != Role::baseline && growth.points.size() >= 2 && (growth.exponent || growth.left_out == 0);
-}
+bool is_drawn(const Growth& growth) { return growth.points.size() >= 2 && (growth.exponent || growth.left_out == 0); }
 
 DrawnGrowths choose(const Growths& growths, const std::string& axis, double scale) {
   DrawnGrowths drawn{.axis = axis, .scale = scale, .is_time = growths.quantity.empty()};
   for (const Growth& growth : growths.rows) {
+    if (growth.role == Role::baseline) continue;
+    for (const Growth::Point& point : growth.points) require_not_negative(point.value.value, growths.quantity);
     if (!is_drawn(growth)) continue;
     drawn.rows.push_back(&growth);
     add_once(drawn.places, growth.place);
@@ -136,6 +136,10 @@ void draw_growth(std::span<const Record> records, FigureScript& script) {
   const Growths growths = find_growth(records, axis, quantity);
   const bool is_time = quantity.empty();
   const Column column = is_time ? Column{} : quantity_column(quantity);
+  if (is_time)
+    require_drawable_times(records);
+  else
+    require_drawable(records, column);
   DrawnGrowths drawn = choose(growths, axis, is_time ? 1 : column.shown_scale);
   if (drawn.rows.empty())
     throw Error("there is nothing to draw: no setting has {} at two values of {}", is_time ? "times" : quantity, axis);

@@ -164,6 +164,7 @@ void draw_heat_maps(const std::vector<Map>& maps, const Column& column, FigureSc
 
 void draw_map(std::span<const Record> records, FigureScript& script) {
   const AnalysisOptions& wanted = script.options.analysis;
+  require_drawable(records, quantity_column(wanted.metric));
   const std::vector<Map> maps =
       make_maps(records, {.metric = wanted.metric, .x = wanted.x, .y = wanted.y, .facet = wanted.facet});
   require_panels(maps.size(), "maps");

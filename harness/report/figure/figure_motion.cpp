@@ -54,7 +54,7 @@ std::vector<Panel> frame_panels(const Motions& motions, const Column& column, Fi
     Panel& panel = panels[motions.place(motion)];
     for (std::size_t frame = 0; frame < found->second.size(); ++frame)
       if (const auto& value = found->second[frame]) {
-        lines.push_back(fmt::format("{}\t{}", frame, *value * column.shown_scale));
+        lines.push_back(fmt::format("{}\t{}", frame, shown_number(*value, column)));
         panel.least = std::min(panel.least, *value);
       }
     if (lines.empty()) continue;
@@ -70,7 +70,7 @@ std::vector<Panel> flicker_panels(const Motions& motions, const Column& column, 
     std::vector<std::string> lines;
     for (const FlickerMetric& flicker : flicker_metrics)
       if (const std::optional<double> value = motion.record->metric(flicker.name))
-        lines.push_back(fmt::format("{}\t{}", flicker.sixtieths / 60.0, *value * column.shown_scale));
+        lines.push_back(fmt::format("{}\t{}", flicker.sixtieths / 60.0, shown_number(*value, column)));
     if (lines.empty()) continue;
     panels[motions.place(motion)].plot.add(setting_name(*motion.record), "{} using 1:2 {} notitle", script.data(lines),
                                            motions.style(motion));

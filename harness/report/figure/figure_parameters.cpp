@@ -92,6 +92,7 @@ void draw_parameters(std::span<const Record> records, FigureScript& script) {
   const std::string& wanted = script.options.analysis.metric;
   require_quantity(records, wanted);
   const Column column = quantity_column(wanted);
+  require_drawable(records, column);
   std::vector<std::string> techniques;
   for (const Record& r : records) add_once(techniques, r.technique);
   std::vector<ParameterPanel> panels;
@@ -125,7 +126,7 @@ void draw_parameters(std::span<const Record> records, FigureScript& script) {
     script.add("set logscale y; set ytics {}; set yrange [{}:{}]", log_tics(ys.least / 1.3, ys.greatest * 1.3, grid.y_labels()),
                ys.least / 1.3, ys.greatest * 1.3);
   else
-    script.add("set yrange [0:{}]", ys.greatest > 0 ? ys.greatest * 1.06 : 1);
+    script.add("set yrange [{}:{}]", std::min(0.0, ys.least * 1.06), ys.greatest > 0 ? ys.greatest * 1.06 : 1);
   for (std::size_t k = 0; k < panels.size(); ++k) {
     open_panel(script, grid, panels[k].title, k % grid.columns == 0 ? axis_label(column) : "");
     script.add("set xtics {}; set xrange [-0.4:{}]", word_tics(panels[k].values, words_cm(panels[k].values) > grid.width_cm),

@@ -17,6 +17,11 @@ constexpr double characters_per_cm = 5.6;
 /// What gnuplot reads, scales and squares without leaving the range of a double.
 constexpr double least_number = 1e-99, greatest_number = 1e99;
 
+bool is_drawable(double value) {
+  const double size = std::abs(value);
+  return size <= greatest_number && (size == 0 || size >= least_number);
+}
+
 /// The text's lines, each at most so many centimeters long.
 std::vector<std::string> lines_of(std::string_view text, double cm) {
   if (FigureScript::text_cm(text) <= cm) return {std::string(text)};
@@ -132,8 +137,7 @@ std::string FigureScript::data(const std::vector<std::string>& lines) {
       const std::string_view field = rest.substr(0, rest.find('\t'));
       rest.remove_prefix(std::min(rest.size(), field.size() + 1));
       const std::optional<double> value = number_from(field);
-      const double size = value ? std::abs(*value) : 0;
-      if (!value || !(size <= greatest_number) || (size > 0 && size < least_number))
+      if (!value || !is_drawable(*value))
         throw Error("a figure cannot draw {}: it draws 0 and sizes from {} to {}; --filter leaves rows out", field,
                     least_number, greatest_number);
     }
@@ -267,6 +271,34 @@ void close_panels(FigureScript& script) {
     plot.into(script);
   }
   script.add("unset multiplot");
+}
+
+double shown_number(double value, const Column& column) {
+  const double shown = value * column.shown_scale;
+  for (const double number : {value, shown})
+    if (!is_drawable(number))
+      throw Error("a figure cannot draw {} = {}: it draws 0 and sizes from {} to {}; --filter leaves rows out", column.name,
+                  value, least_number, greatest_number);
+  const bool is_signed =
+      column.shown_unit != "%" && column.unit != "ms" && column.unit != "byte" && better(column.name) != "lower";
+  if (!is_signed) require_not_negative(value, column.name);
+  return shown;
+}
+
+void require_not_negative(double value, std::string_view name) {
+  if (value < 0)
+    throw Error("a figure cannot draw {} = {}: its axis has no place below 0; --filter leaves rows out", name, value);
+}
+
+void require_drawable(std::span<const Record> records, const Column& column) {
+  for (const Record& r : records)
+    if (r.status == Status::ok && r.role != Role::baseline)
+      if (const std::optional<double> value = quantity(r, column.name)) shown_number(*value, column);
+}
+
+void require_drawable_times(std::span<const Record> records) {
+  for (const char* const time : {"build_ms", "update_ms", "relight_ms", "resolve_ms"})
+    require_drawable(records, quantity_column(time));
 }
 
 void require_panels(std::size_t panels, std::string_view what) {

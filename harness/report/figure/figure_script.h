@@ -112,6 +112,16 @@ inline constexpr std::size_t most_panels = 12;
 /// Throws Error on more, saying how to choose.
 void require_panels(std::size_t panels, std::string_view what);
 
+/// A value in the unit that people see. Throws Error, which names it as the record has it, on one that gnuplot cannot draw, and
+/// below 0 on one of an error, a share, a time or a size.
+double shown_number(double value, const Column& column);
+/// Throws the same where a finished row has such a value; the baseline, which is not drawn, may.
+void require_drawable(std::span<const Record> records, const Column& column);
+/// The same for the times of stages.
+void require_drawable_times(std::span<const Record> records);
+/// Throws Error, which names the value as the record has it, where it is below 0 and the axis has no place for it.
+void require_not_negative(double value, std::string_view name);
+
 /// "wrong (%)"; "umbra area ratio", which says its unit.
 std::string axis_label(const Column& column);
 

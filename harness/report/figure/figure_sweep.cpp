@@ -172,6 +172,7 @@ void draw_sweep(std::span<const Record> records, FigureScript& script) {
   for (const std::string& quantity : quantities) {
     all.push_back(find_sweeps(records, wanted.x, quantity));
     columns.push_back(quantity_column(quantity));
+    require_drawable(records, columns.back());
   }
   DrawnSweeps drawn;
   for (std::size_t k = 0; k < all.size(); ++k) drawn.add(all[k], columns[k], all.size() == 1);

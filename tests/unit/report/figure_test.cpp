@@ -220,21 +220,44 @@ TEST(figure, a_logarithmic_parameter_has_a_logarithmic_axis_with_a_place_for_zer
   EXPECT_FALSE(has(figure_script(records, "sweep", options, "f.svg"), "logscale x"));
 }
 
+/// What a figure of these rows says against drawing them; empty: it draws them.
+std::string refusal(const std::vector<Record>& records, const std::string& kind, FigureOptions options = {}) {
+  try {
+    if (options.analysis.x.empty()) options.analysis.x = kind == "parameters" ? "" : "size";
+    figure_script(records, kind, options, "f.svg");
+    return "";
+  } catch (const Error& error) {
+    return error.what();
+  }
+}
+
 TEST(figure, what_it_cannot_draw_it_refuses_in_its_own_words) {
-  for (const double value : {1e300, std::numeric_limits<double>::infinity(), 1e-300})
-    for (const std::string kind : {"front", "sweep", "motion"}) {
+  for (const double value : {1e300, 1e308, std::numeric_limits<double>::infinity(), 1e-300, -0.5})
+    for (const std::string kind : {"front", "sweep", "motion", "map", "parameters"}) {
       std::vector<Record> records = some();
       records[1].metrics[Truth::shape]["error"] = value;
       records[1].frames["error"][0] = value;
-      FigureOptions options;
-      options.analysis.x = "size";
-      try {
-        figure_script(records, kind, options, "f.svg");
-        ADD_FAILURE() << kind << " draws " << value;
-      } catch (const Error& error) {
-        EXPECT_TRUE(has(error.what(), "cannot draw")) << kind << ": " << error.what();
-      }
+      // As the record has it, not in percent.
+      EXPECT_TRUE(has(refusal(records, kind), fmt::format("cannot draw error = {}:", value)))
+          << kind << ": " << refusal(records, kind);
     }
+  std::vector<Record> records = some();
+  records[1].times(Stage::resolve) = {{-1.0}, {-1.0}};
+  for (const char* const kind : {"front", "growth", "stages"})
+    EXPECT_TRUE(has(refusal(records, kind), "cannot draw resolve_ms = -1:")) << kind << ": " << refusal(records, kind);
+}
+
+TEST(figure, what_may_be_negative_is_drawn_where_its_axis_has_a_place) {
+  std::vector<Record> records = some();
+  for (Record& r : records) r.metrics[Truth::shape]["penumbra_shift"] = -0.5 * r.parameters["size"].get<int>();
+  FigureOptions options;
+  options.analysis.metric = options.analysis.growing = "penumbra_shift";
+  for (const char* const kind : {"sweep", "parameters", "map"}) EXPECT_EQ(refusal(records, kind, options), "") << kind;
+  EXPECT_TRUE(has(refusal(records, "growth", options), "cannot draw penumbra_shift = -128:"))
+      << refusal(records, "growth", options);
+  for (Record& r : records) r.metrics[Truth::shape]["ssim"] = -0.25;
+  options.analysis.metric = "ssim";
+  EXPECT_TRUE(has(refusal(records, "front", options), "cannot draw ssim = -0.25:")) << refusal(records, "front", options);
 }
 
 TEST(figure, gnuplot_draws_every_kind) {
