@@ -33,7 +33,7 @@ std::string text_at(const Json& object, const char* key) {
   return found != object.end() && found->is_string() ? found->get<std::string>() : "";
 }
 
-void read_edition(const Json& object, FolderFacts& facts) {
+void read_edition_facts(const Json& object, FolderFacts& facts) {
   const auto found = object.find("edition");
   if (found == object.end() || !found->is_object()) return;
   facts.edition_name = text_at(*found, "name");
@@ -50,7 +50,7 @@ void read_submission(const fs::path& file, FolderFacts& facts) {
   facts.name = text_at(json, "name");
   if (!is_submission_name(facts.name))
     throw Error("{}: name '{}' is not 1 to 40 of a-z, 0-9, _ and -", file.string(), facts.name);
-  read_edition(json, facts);
+  read_edition_facts(json, facts);
   facts.division = text_at(json, "division");
   if (facts.edition_name.empty()) throw Error("{} names no edition", file.string());
   if (std::ranges::find(division_names, facts.division) == std::end(division_names))
@@ -67,7 +67,7 @@ FolderFacts facts_of(const fs::path& dir) {
     return facts;
   }
   for (const Json& run : run_entries(dir))
-    if (run.is_object()) read_edition(run, facts);
+    if (run.is_object()) read_edition_facts(run, facts);
   return facts;
 }
 
