@@ -7,6 +7,11 @@
 
 namespace gnomon {
 
+/// From a line of text to the next one.
+inline constexpr double line_cm = 0.4;
+/// Of the text.
+inline constexpr double characters_per_cm = 5.6;
+
 /// The gnuplot program of one figure, written line by line. Terminal and style come first in its text, but last in time: the
 /// terminal needs the height.
 class FigureScript {
@@ -26,8 +31,9 @@ class FigureScript {
   /// Text that is wrapped where it is longer than so many centimeters.
   static std::string quoted_lines(std::string_view text, double cm);
   static std::string quoted_tic_lines(std::string_view text, double cm);
-  static std::size_t line_count(std::string_view text, double cm);  ///< that these have
-  static double text_cm(std::string_view text);                     ///< of one line
+  static std::vector<std::string> lines_of(std::string_view text, double cm);  ///< wrapped likewise
+  static std::size_t line_count(std::string_view text, double cm);             ///< that these have
+  static double text_cm(std::string_view text);                                ///< of one line
 
   const FigureOptions& options;
   double height_cm = 9;  ///< of the whole figure
