@@ -62,7 +62,7 @@ double linear_step(double least, double greatest, std::size_t most) {
 std::string word_tics(const std::vector<std::string>& words, bool do_turn) {
   std::vector<std::string> all;
   for (std::size_t k = 0; k < words.size(); ++k) all.push_back(fmt::format("{} {}", FigureScript::quoted_tic(words[k]), k));
-  return fmt::format("{} ({})", do_turn ? "rotate by -45" : "norotate", joined(all, ", "));
+  return fmt::format("{} ({})", do_turn ? "rotate by 45 right" : "norotate center", joined(all, ", "));
 }
 
 namespace {

@@ -220,7 +220,7 @@ void draw_front(std::span<const Record> records, FigureScript& script) {
   script.shows = fmt::format("{} against {}", frame.y_label, frame.x_label);
   const PanelGrid grid = open_panels(script, frame);
   for (std::size_t k = 0; k < panels.size(); ++k) {
-    open_panel(script, grid, frame.titles[k], panels[k].y_label());
+    open_panel(script, grid, k, frame.titles[k], panels[k].y_label());
     panels[k].set_axes(script, grid);
     panels[k].plot.into(script);
   }

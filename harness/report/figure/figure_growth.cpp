@@ -170,7 +170,7 @@ void draw_growth(std::span<const Record> records, FigureScript& script) {
   script.add("set xrange [{}:{}]", left, right);
   script.add("set yrange [{}:{}]", bottom, top);
   for (std::size_t k = 0; k < panels.size(); ++k) {
-    open_panel(script, grid, drawn.panel_title(k), k % grid.columns > 0 ? "" : y_label);
+    open_panel(script, grid, k, drawn.panel_title(k), k % grid.columns > 0 ? "" : y_label);
     script.add("unset label");
     label_exponents(panels[k].exponents, drawn.x.greatest, bottom, top, grid.height_cm, script);
     panels[k].plot.into(script);

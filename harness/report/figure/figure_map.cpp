@@ -27,10 +27,10 @@ void draw_lines(const std::vector<Map>& maps, const Column& column, FigureScript
   const Map& first = maps.front();
   const std::string y_label = fmt::format("{}, mean over {}", axis_label(column), places_text(first));
   script.shows = fmt::format("{} against {}", y_label, first.x);
-  const PanelGrid grid = open_panels(script, {.titles = {""}, .x_label = first.x, .y_label = y_label, .x_names = first.xs});
-  script.add("set xtics {}; set xrange [-0.3:{}]; set yrange [{}:*]", word_tics(first.xs, grid.do_names_turn),
+  const PanelGrid grid = open_panels(script, {.titles = {""}, .x_label = first.x, .y_label = y_label, .x_names = {first.xs}});
+  script.add("set xtics {}; set xrange [-0.3:{}]; set yrange [{}:*]", word_tics(first.xs, grid.is_turned(0)),
              static_cast<double>(first.xs.size()) - 0.7, least < 0 ? "*" : "0");
-  open_panel(script, grid, "", y_label);
+  open_panel(script, grid, 0, "", y_label);
   plot.into(script);
   close_panels(script);
 }
@@ -123,21 +123,21 @@ void draw_heat_maps(const std::vector<Map>& maps, const Column& column, FigureSc
   std::size_t most_columns = 0, most_rows = 2;
   for (const Map& map : maps) {
     frame.titles.push_back(heading_of(map, maps.front().technique != maps.back().technique));
-    if (map.xs.size() > most_columns) frame.x_names = map.xs;
+    if (map.xs.size() > most_columns) frame.x_names = {map.xs};
     for (const std::string& name : map.ys) add_once(frame.y_names, name);
     most_columns = std::max(most_columns, map.xs.size());
     most_rows = std::max(most_rows, map.ys.size());
   }
   frame.most_columns = maps.size() == 1 ? 1 : most_columns > 6 ? 2 : 3;
   frame.height_cm = 0.7 + 0.75 * static_cast<double>(most_rows);
-  const PanelGrid grid = panel_grid(frame, script.options.width_cm);
+  PanelGrid grid = panel_grid(frame, script.options.width_cm);
   const bool with_numbers = do_numbers_fit(maps, column.shown_scale, grid);
   std::vector<std::string> cells;
   for (const Map& map : maps) cells.push_back(cell_data(map, column.shown_scale, script));
   const std::string shown = fmt::format("{}, mean over {}", axis_label(column), places_text(maps.front()));
   script.shows = shown + " over parameters";
   add_legend(palette, "best; " + shown, with_numbers, script);
-  open_panels(script, frame);
+  grid = open_panels(script, frame);
   const auto [least, greatest] = palette.values;
   std::vector<std::string> stops;
   for (std::size_t k = 0; k < std::size(viridis); ++k) stops.push_back(fmt::format("{} '{}'", k, viridis[k]));
@@ -147,9 +147,9 @@ void draw_heat_maps(const std::vector<Map>& maps, const Column& column, FigureSc
   for (std::size_t k = 0; k < maps.size(); ++k) {
     const Map& map = maps[k];
     script.add("unset label; unset object");
-    open_panel(script, grid, frame.titles[k], map.y);
+    open_panel(script, grid, k, frame.titles[k], map.y);
     script.add("set xlabel {} offset 0,0.4", FigureScript::quoted(map.x));
-    script.add("set xtics {}; set ytics {}", word_tics(map.xs, grid.do_names_turn), word_tics(map.ys, false));
+    script.add("set xtics {}; set ytics {}", word_tics(map.xs, grid.is_turned(k)), word_tics(map.ys, false));
     script.add("set xrange [-0.5:{}]; set yrange [-0.5:{}]", static_cast<double>(map.xs.size()) - 0.5,
                static_cast<double>(map.ys.size()) - 0.5);
     mark_cells(map, column.shown_scale, palette, with_numbers, script);

@@ -112,7 +112,7 @@ void draw_motion(std::span<const Record> records, FigureScript& script) {
   std::size_t panel = 0;
   const auto draw = [&](const std::vector<Panel>& panels, const std::string& label) {
     for (const Panel& one : panels) {
-      open_panel(script, grid, one.title, panel % grid.columns == 0 || &one == &panels.front() ? label : "");
+      open_panel(script, grid, panel, one.title, panel % grid.columns == 0 || &one == &panels.front() ? label : "");
       script.add("set yrange [{}:*]", one.least < 0 ? "*" : "0");
       one.plot.into(script);
       ++panel;

@@ -66,7 +66,8 @@ PanelGrid panel_grid(const PanelFrame& frame, double figure_cm) {
                                        : std::clamp(by_width, least_height, greatest_height);
   const std::size_t lines = FigureScript::line_count(frame.y_label, grid.height_cm);
   grid.width_cm = width_with(left + line_cm * static_cast<double>(std::max<std::size_t>(lines, 1) - 1));
-  grid.do_names_turn = (longest_cm(frame.x_names) + 0.2) * static_cast<double>(frame.x_names.size()) > grid.width_cm;
+  for (const std::vector<std::string>& names : frame.x_names)
+    grid.do_names_turn.push_back((longest_cm(names) + 0.2) * static_cast<double>(names.size()) > grid.width_cm);
   return grid;
 }
 
@@ -74,33 +75,53 @@ namespace {
 
 double title_room_cm(const PanelGrid& grid) { return grid.width_cm + 0.8 * grid.between_cm; }
 
+/// That a row of panels takes above and below its axes.
+struct RowMargins {
+  double above_cm, below_cm;
+};
+
+RowMargins row_margins(const PanelFrame& frame, const PanelGrid& grid, std::size_t row) {
+  std::size_t title_lines = 1;
+  double turned_cm = 0;
+  const std::size_t end = std::min(frame.titles.size(), (row + 1) * grid.columns);
+  for (std::size_t k = row * grid.columns; k < end; ++k) {
+    title_lines = std::max(title_lines, FigureScript::line_count(frame.titles[k], title_room_cm(grid)));
+    if (grid.is_turned(k)) turned_cm = std::max(turned_cm, 0.71 * longest_cm(frame.x_names[k % frame.x_names.size()]));
+  }
+  const std::size_t label_lines = std::max<std::size_t>(1, FigureScript::line_count(frame.x_label, grid.width_cm + 1));
+  return {0.7 + line_cm * static_cast<double>(title_lines - 1),
+          (frame.x_label.empty() ? 0.8 : 1.2) + line_cm * static_cast<double>(label_lines - 1) + turned_cm};
+}
+
 }  // namespace
 
 PanelGrid open_panels(FigureScript& script, const PanelFrame& frame) {
-  const double w = script.options.width_cm;
   const std::size_t count = std::max<std::size_t>(frame.titles.size(), 1);
-  const PanelGrid grid = panel_grid(frame, w);
-  std::size_t title_lines = 1;
-  for (const std::string& title : frame.titles)
-    title_lines = std::max(title_lines, FigureScript::line_count(title, title_room_cm(grid)));
-  const std::size_t label_lines = std::max<std::size_t>(1, FigureScript::line_count(frame.x_label, grid.width_cm + 1));
-  const double above = 0.7 + line_cm * static_cast<double>(title_lines - 1);
-  const double below =
-      1.2 + line_cm * static_cast<double>(label_lines - 1) + (grid.do_names_turn ? longest_cm(frame.x_names) * 0.71 : 0);
+  PanelGrid grid = panel_grid(frame, script.options.width_cm);
   const std::size_t rows = (count + grid.columns - 1) / grid.columns;
-  script.height_cm = script.title_cm() + static_cast<double>(rows) * (above + grid.height_cm + below) + script.legend_cm();
-  const double h = script.height_cm;
-  script.add("set multiplot layout {},{} margins {:.4f},{:.4f},{:.4f},{:.4f} spacing {:.4f},{:.4f}{}", rows, grid.columns,
-             1 - (right_cm + static_cast<double>(grid.columns) * (grid.width_cm + grid.between_cm) - grid.between_cm) / w,
-             1 - right_cm / w, strip(script) + below / h, 1 - (script.title_cm() + above) / h,
-             grid.columns > 1 ? grid.between_cm / w : 0.0, rows > 1 ? (above + below) / h : 0.0, script.title_text());
+  // From the last row up.
+  script.height_cm = script.legend_cm();
+  for (std::size_t row = rows; row-- > 0;) {
+    const auto [above_cm, below_cm] = row_margins(frame, grid, row);
+    grid.bottoms_cm.insert(grid.bottoms_cm.begin(), script.height_cm + below_cm);
+    script.height_cm += below_cm + grid.height_cm + above_cm;
+  }
+  script.height_cm += script.title_cm();
+  script.add("# Panels: {} row{} of {}", rows, rows > 1 ? "s" : "", grid.columns);
+  script.add("set multiplot{}", script.title_text());
   script.add("unset key");
   if (!frame.x_label.empty())
     script.add("set xlabel {} offset 0,0.4", FigureScript::quoted_lines(frame.x_label, grid.width_cm + 1));
   return grid;
 }
 
-void open_panel(FigureScript& script, const PanelGrid& grid, std::string_view title, std::string_view y_label) {
+void open_panel(FigureScript& script, const PanelGrid& grid, std::size_t k, std::string_view title, std::string_view y_label) {
+  const double w = script.options.width_cm, h = script.height_cm;
+  const double bottom_cm = grid.bottoms_cm[k / grid.columns];
+  const auto after = static_cast<double>(grid.columns - 1 - k % grid.columns);  // panels that follow in its row
+  const double end_cm = w - right_cm - after * (grid.width_cm + grid.between_cm);
+  script.add("set lmargin at screen {:.4f}; set rmargin at screen {:.4f}", (end_cm - grid.width_cm) / w, end_cm / w);
+  script.add("set bmargin at screen {:.4f}; set tmargin at screen {:.4f}", bottom_cm / h, (bottom_cm + grid.height_cm) / h);
   script.add("set title {} offset 0,-0.6", FigureScript::quoted_lines(title, title_room_cm(grid)));
   const std::size_t lines = std::max<std::size_t>(1, FigureScript::line_count(y_label, grid.height_cm));
   script.add("set ylabel {}{}", FigureScript::quoted_lines(y_label, grid.height_cm),

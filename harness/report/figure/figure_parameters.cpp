@@ -79,13 +79,6 @@ ParameterPanel panel_of(const std::vector<DrawnSetting>& settings, const std::st
   return panel;
 }
 
-/// That the words take beside one another.
-double words_cm(const std::vector<std::string>& words) {
-  double longest = 0;
-  for (const std::string& word : words) longest = std::max(longest, FigureScript::text_cm(word));
-  return (longest + 0.2) * static_cast<double>(words.size());
-}
-
 }  // namespace
 
 void draw_parameters(std::span<const Record> records, FigureScript& script) {
@@ -119,7 +112,7 @@ void draw_parameters(std::span<const Record> records, FigureScript& script) {
   PanelFrame frame{.titles = {}, .y_label = axis_label(column), .most_columns = 3, .height_per_width = 0.7};
   for (const ParameterPanel& panel : panels) {
     frame.titles.push_back(panel.title);
-    if (words_cm(panel.values) > words_cm(frame.x_names)) frame.x_names = panel.values;
+    frame.x_names.push_back(panel.values);
   }
   const PanelGrid grid = open_panels(script, frame);
   if (ys.least > 0 && ys.greatest / ys.least > 20)
@@ -128,8 +121,8 @@ void draw_parameters(std::span<const Record> records, FigureScript& script) {
   else
     script.add("set yrange [{}:{}]", std::min(0.0, ys.least * 1.06), ys.greatest > 0 ? ys.greatest * 1.06 : 1);
   for (std::size_t k = 0; k < panels.size(); ++k) {
-    open_panel(script, grid, panels[k].title, k % grid.columns == 0 ? axis_label(column) : "");
-    script.add("set xtics {}; set xrange [-0.4:{}]", word_tics(panels[k].values, words_cm(panels[k].values) > grid.width_cm),
+    open_panel(script, grid, k, panels[k].title, k % grid.columns == 0 ? axis_label(column) : "");
+    script.add("set xtics {}; set xrange [-0.4:{}]", word_tics(panels[k].values, grid.is_turned(k)),
                static_cast<double>(panels[k].values.size()) - 0.6);
     panels[k].plot.into(script);
   }

@@ -88,7 +88,8 @@ struct Extent {
 struct PanelFrame {
   std::vector<std::string> titles;  ///< one a panel
   std::string x_label = {}, y_label = {};
-  std::vector<std::string> x_names = {}, y_names = {};  ///< of tics that are words
+  std::vector<std::vector<std::string>> x_names = {};  ///< of tics that are words: one set a panel, or one of all panels
+  std::vector<std::string> y_names = {};               ///< of tics that are words
   std::size_t most_columns = 2;
   double height_per_width = 0.7;
   double height_cm = 0;  ///< of a panel; 0: by its width
@@ -98,7 +99,10 @@ struct PanelFrame {
 struct PanelGrid {
   std::size_t columns = 1;
   double width_cm = 0, height_cm = 0, between_cm = 0;
-  bool do_names_turn = false;  ///< the words at x tics do not fit beside one another
+  std::vector<bool> do_names_turn = {};  ///< the words of each set at x tics do not fit beside one another
+  std::vector<double> bottoms_cm = {};   ///< of each row's axes; open_panels sets it
+  /// Whether the words at x tics of the panel with this number turn.
+  bool is_turned(std::size_t panel) const { return !do_names_turn.empty() && do_names_turn[panel % do_names_turn.size()]; }
   /// Numbers of this many characters fit below a panel.
   std::size_t x_labels(std::size_t characters = 5) const;
   std::size_t y_labels() const;
@@ -106,10 +110,10 @@ struct PanelGrid {
 /// As many columns as leave each panel its room on a figure of this width.
 PanelGrid panel_grid(const PanelFrame& frame, double figure_cm);
 /// Opens a multiplot over the figure but for the legend's strip, and sets the height and the name of the
-/// horizontal axes.
+/// horizontal axes. Each row of panels has the margins that its own titles and tics need.
 PanelGrid open_panels(FigureScript& script, const PanelFrame& frame);
-/// Titles the next panel and names its vertical axis; empty: it has no name.
-void open_panel(FigureScript& script, const PanelGrid& grid, std::string_view title, std::string_view y_label);
+/// Places the panel with this number, titles it and names its vertical axis; empty: it has no name.
+void open_panel(FigureScript& script, const PanelGrid& grid, std::size_t k, std::string_view title, std::string_view y_label);
 /// Draws the legend into its strip and ends the multiplot.
 void close_panels(FigureScript& script);
 

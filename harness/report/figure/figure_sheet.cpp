@@ -103,7 +103,7 @@ void draw_sheet(std::span<const Record> records, FigureScript& script) {
   script.add("unset tics; unset border; unset grid; unset colorbox; set size ratio -1");
   for (std::size_t k = 0; k < pictures.size(); ++k) {
     const auto& [record, file, height] = pictures[k];
-    open_panel(script, grid, frame.titles[k], "");
+    open_panel(script, grid, k, frame.titles[k], "");
     // gnuplot counts rows from the bottom.
     script.add("set xrange [-0.5:{}]; set yrange [{}:{}]", record->width - 0.5, height - record->height - 0.5, height - 0.5);
     PlotCommand plot;

@@ -199,7 +199,7 @@ void draw_sweep(std::span<const Record> records, FigureScript& script) {
   script.add("{}", axis.commands(grid));
   for (std::size_t k = 0; k < drawn.panels.size(); ++k) {
     const SweepPanel& panel = drawn.panels[k];
-    open_panel(script, grid, frame.titles[k], k % grid.columns == 0 || labels.size() > 1 ? panel.y_label() : "");
+    open_panel(script, grid, k, frame.titles[k], k % grid.columns == 0 || labels.size() > 1 ? panel.y_label() : "");
     script.add("{}", y_axis(panel.y, *panel.columns.front(), grid));
     panel.plot.into(script);
   }

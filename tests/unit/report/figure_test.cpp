@@ -94,10 +94,10 @@ TEST(figure, motion_has_a_panel_of_flicker_where_a_row_has_it) {
   std::vector<Record> records = some();
   const auto script = [&] { return figure_script(records, "motion", {}, "f.svg"); };
   EXPECT_FALSE(has(script(), "lag (s)"));
-  EXPECT_TRUE(has(script(), "layout 1,1")) << script();
+  EXPECT_TRUE(has(script(), "# Panels: 1 row of 1\n")) << script();
   records[1].metrics[Truth::shape]["flicker_1_60"] = 0.25;
   records[1].metrics[Truth::shape]["flicker_1_4"] = 0.5;
-  EXPECT_TRUE(has(script(), "layout 1,2")) << script();
+  EXPECT_TRUE(has(script(), "# Panels: 1 row of 2\n")) << script();
   EXPECT_TRUE(has(script(), "set xlabel 'lag (s)'")) << script();
   EXPECT_TRUE(has(script(), "'1/15' 0.0666")) << script();
   EXPECT_TRUE(has(script(), "0.25\t50\n")) << "in percent" << script();
@@ -130,6 +130,21 @@ TEST(figure, exponents_stay_within_their_panel) {
   const double bottom = number_after(script, "set yrange ["), label = number_after(script, "set label '-2.99' at 2048,");
   EXPECT_GT(bottom, std::pow(10, -0.6)) << script;
   EXPECT_GT(label, bottom) << script;
+}
+
+TEST(figure, a_row_of_panels_has_room_for_its_own_turned_words) {
+  std::vector<Record> records;
+  for (int k = 0; k < 16; ++k) {
+    records.push_back(row(1, 1, 0.1 + 0.01 * k));
+    records.back().parameters = {{"a", k % 2}, {"b", k / 2 % 2}, {"c", k / 4 % 2}, {"d", k / 8 ? "bits" : "word"}};
+    records.back().settings = records.back().parameters.dump();
+  }
+  const auto height = [&] { return number_after(figure_script(records, "parameters", {}, "f.pdf"), "cm,"); };
+  const double plain = height();
+  for (Record& r : records) r.parameters["d"] = r.parameters["d"].get<std::string>() + "_that_does_not_fit_below_its_panel";
+  // Two rows of two panels: 38 characters at 5.6 per cm, turned by 45 degrees, below the second row alone.
+  EXPECT_NEAR(height() - plain, 38 / 5.6 * 0.71, 0.02);
+  EXPECT_TRUE(has(figure_script(records, "parameters", {}, "f.pdf"), "rotate by 45 right ('word_that"));
 }
 
 TEST(figure, bars_have_as_many_tics_as_have_room) {
@@ -185,10 +200,10 @@ TEST(figure, a_narrow_one_leaves_each_panel_its_room) {
   FigureOptions options{.width_cm = 8.5};
   options.analysis.x = "size";
   const std::string script = figure_script(records, "sweep", options, "f.svg");
-  EXPECT_TRUE(has(script, "set multiplot layout 2,1")) << "two of 8.5 cm beside each other would have 2 cm each\n" << script;
+  EXPECT_TRUE(has(script, "# Panels: 2 rows of 1\n")) << "two of 8.5 cm beside each other would have 2 cm each\n" << script;
   EXPECT_TRUE(has(script, "keyentry with points pt 0 lc rgb '#ffffff' title '")) << "names of settings go on below\n" << script;
   options.width_cm = 16;
-  EXPECT_TRUE(has(figure_script(records, "sweep", options, "f.svg"), "set multiplot layout 1,2"));
+  EXPECT_TRUE(has(figure_script(records, "sweep", options, "f.svg"), "# Panels: 1 row of 2\n"));
 }
 
 TEST(figure, a_sweep_holds_several_quantities) {
@@ -197,7 +212,7 @@ TEST(figure, a_sweep_holds_several_quantities) {
   options.analysis.x = "size";
   options.metrics = {"cause.acne", "error", "resolve_ms"};
   const std::string script = figure_script(records, "sweep", options, "f.svg");
-  EXPECT_TRUE(has(script, "layout 1,2")) << "shares in one panel, times in another\n" << script;
+  EXPECT_TRUE(has(script, "# Panels: 1 row of 2\n")) << "shares in one panel, times in another\n" << script;
   EXPECT_TRUE(has(script, "set ylabel 'acne, error (%)'")) << script;
   EXPECT_TRUE(has(script, "# Curve: map: acne\n")) << script;
   EXPECT_TRUE(has(script, "title 'map: error'")) << script;
@@ -291,7 +306,7 @@ TEST(figure, a_sheet_shows_the_error_picture_of_every_row_without_its_legend) {
     write_png(*r.error_picture, {64, 48, std::vector<std::uint8_t>(3 * 64 * 48, 200), 12});
   }
   const std::string script = figure_script(records, "sheet", {}, "f.svg");
-  EXPECT_TRUE(has(script, "layout 2,2")) << script;
+  EXPECT_TRUE(has(script, "# Panels: 2 rows of 2\n")) << script;
   EXPECT_TRUE(has(script, "it''s size=512.png' binary filetype=png with rgbimage")) << script;
   EXPECT_TRUE(has(script, "set yrange [11.5:47.5]")) << script;
   EXPECT_TRUE(has(script, "'map:size=256, error 20.0 %'")) << script;

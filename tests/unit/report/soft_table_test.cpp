@@ -111,13 +111,13 @@ TEST(soft_table, the_headline_of_a_page_covers_both_kinds) {
 TEST(soft_figure, a_front_has_a_panel_for_each_kind_of_light) {
   const auto script = [](const std::vector<Record>& records) { return figure_script(records, "front", {}, "f.svg"); };
   const std::string both = script(mixed());
-  EXPECT_TRUE(has(both, "set multiplot layout 1,2")) << both;
+  EXPECT_TRUE(has(both, "# Panels: 1 row of 2\n")) << both;
   EXPECT_EQ(count(both, "set ylabel 'error (%)'"), 2u) << both;
   EXPECT_EQ(count(both, "title 'a'"), 1u) << "a technique of both has one color, named once";
   EXPECT_EQ(count(both, "title 'error floor'"), 1u);
   EXPECT_FALSE(has(both, "nan") || has(both, "inf")) << both;
   const std::string hard = script(hard_rows);
-  EXPECT_TRUE(has(hard, "set multiplot layout 1,1")) << hard;
+  EXPECT_TRUE(has(hard, "# Panels: 1 row of 1\n")) << hard;
   EXPECT_FALSE(has(hard, "error floor")) << hard;
 }
 
