@@ -21,8 +21,9 @@ std::size_t legend_rows(const FigureScript& script) {
   for (const FigureScript::LegendEntry& entry : lines) longest_cm = std::max(longest_cm, FigureScript::text_cm(entry.text));
   // Rows that go on must follow what they go on from.
   const std::size_t most = lines.size() > script.legend.size() ? 1 : std::max<std::size_t>(1, lines.size());
+  constexpr double column_cm = 1.6;  // of a column beside its text: the mark, and what gnuplot leaves free
   const std::size_t columns =
-      std::clamp<std::size_t>(static_cast<std::size_t>(script.options.width_cm / (longest_cm + 1.1)), 1, most);
+      std::clamp<std::size_t>(static_cast<std::size_t>(script.options.width_cm / (longest_cm + column_cm)), 1, most);
   return (lines.size() + columns - 1) / columns;
 }
 

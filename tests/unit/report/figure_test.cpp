@@ -147,6 +147,15 @@ TEST(figure, a_row_of_panels_has_room_for_its_own_turned_words) {
   EXPECT_TRUE(has(figure_script(records, "parameters", {}, "f.pdf"), "rotate by 45 right ('word_that"));
 }
 
+TEST(figure, a_legend_is_no_wider_than_its_figure) {
+  // Five names of 23 characters, 4.1 cm, and the front: a column takes 5.7 cm, and 16 cm hold two.
+  std::vector<Record> records = some();
+  for (const int size : {2048, 4096}) records.push_back(row(size, size, 0.05));
+  for (Record& r : records) r.label = fmt::format("a_name_of_characters_{:02}", &r - records.data());
+  EXPECT_TRUE(has(figure_script(records, "front", {}, "f.svg"), "vertical maxrows 3 "))
+      << figure_script(records, "front", {}, "f.svg");
+}
+
 TEST(figure, bars_have_as_many_tics_as_have_room) {
   std::vector<Record> records = some();
   const auto script = [&](double width_cm) { return figure_script(records, "causes", {.width_cm = width_cm}, "f.svg"); };
