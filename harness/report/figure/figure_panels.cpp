@@ -74,7 +74,7 @@ PanelGrid panel_grid(const PanelFrame& frame, double figure_cm) {
 
 namespace {
 
-double title_room_cm(const PanelGrid& grid) { return grid.width_cm + 0.8 * grid.between_cm; }
+double title_room_cm(const PanelGrid& grid) { return grid.width_cm + grid.between_cm - 0.35; }
 
 /// That a row of panels takes above and below its axes.
 struct RowMargins {
@@ -89,9 +89,10 @@ RowMargins row_margins(const PanelFrame& frame, const PanelGrid& grid, std::size
     title_lines = std::max(title_lines, FigureScript::line_count(frame.titles[k], title_room_cm(grid)));
     if (grid.is_turned(k)) turned_cm = std::max(turned_cm, 0.71 * longest_cm(frame.x_names[k % frame.x_names.size()]));
   }
+  const double title_cm = line_cm * static_cast<double>(title_lines - 1);
+  if (frame.is_bare) return {0.7 + title_cm, 0.15};
   const std::size_t label_lines = std::max<std::size_t>(1, FigureScript::line_count(frame.x_label, grid.width_cm + 1));
-  return {0.7 + line_cm * static_cast<double>(title_lines - 1),
-          (frame.x_label.empty() ? 0.8 : 1.2) + line_cm * static_cast<double>(label_lines - 1) + turned_cm};
+  return {0.7 + title_cm, (frame.x_label.empty() ? 0.8 : 1.2) + line_cm * static_cast<double>(label_lines - 1) + turned_cm};
 }
 
 }  // namespace

@@ -34,11 +34,16 @@ std::string comment(std::string_view name, std::string_view text) {
 }  // namespace
 
 double FigureScript::title_cm() const {
-  return options.title.empty() ? 0 : 0.5 + line_cm * static_cast<double>(line_count(options.title, options.width_cm - 1));
+  const double cm = options.width_cm - 1;
+  const std::size_t lines = line_count(options.title, cm) + line_count(heading, cm);
+  return lines == 0 ? 0 : 0.5 + line_cm * static_cast<double>(lines);
 }
 
 std::string FigureScript::title_text() const {
-  return options.title.empty() ? "" : " title " + quoted_lines(options.title, options.width_cm - 1);
+  std::vector<std::string> texts;
+  for (const std::string& text : {options.title, heading})
+    if (!text.empty()) texts.push_back(quoted_lines(text, options.width_cm - 1));
+  return texts.empty() ? "" : " title " + joined(texts, ".\"\\n\".");
 }
 
 std::vector<std::string> FigureScript::lines_of(std::string_view text, double cm) {

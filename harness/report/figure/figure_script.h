@@ -44,8 +44,9 @@ class FigureScript {
     std::string text;
   };
   std::vector<LegendEntry> legend;
+  std::string heading;             ///< of all panels, below the title
   double legend_cm() const;        ///< that the legend takes
-  double title_cm() const;         ///< that the title takes
+  double title_cm() const;         ///< that title and heading take
   std::string title_text() const;  ///< of `set multiplot`
   /// The next curve that is drawn is called so in an SVG.
   void name_curve(std::string_view name);

@@ -3,6 +3,7 @@
 
 #include "measure/score/error_picture.h"
 #include "measure/score/record_causes.h"
+#include "report/figure/figure_names.h"
 #include "report/figure/figure_script.h"
 #include "report/table/digits.h"
 
@@ -58,11 +59,11 @@ std::vector<SheetPicture> pictures_of(std::span<const Record> records) {
   return pictures;
 }
 
-/// "shadow_map:pcf=3, error 0.52 %", before it the place where the sheet has several.
-std::string caption(const Record& record, std::span<const Place> places) {
+/// "pcf=3, error 0.52 %", before it the place where the sheet has several. The error is not broken over lines.
+std::string caption(const Record& record, const std::string& setting, std::span<const Place> places) {
   const std::optional<double> error = record.metric("error");
-  return fmt::format("{}{}{}", places.size() > 1 ? title(place_of(record), places) + ": " : "", setting_name(record),
-                     error ? fmt::format(", error {} %", measured(*error * 100)) : "");
+  return fmt::format("{}{}{}", places.size() > 1 ? title(place_of(record), places) + ": " : "", setting,
+                     error ? fmt::format(", error\u00a0{}\u00a0%", measured(*error * 100)) : "");
 }
 
 /// The colors of the causes that some row has; of rows without causes those of false dark and false lit.
@@ -70,8 +71,10 @@ void add_legend(std::span<const SheetPicture> pictures, FigureScript& script) {
   std::vector<Record> shown;
   for (const SheetPicture& picture : pictures) shown.push_back(*picture.record);
   const auto add = [&](const Color& color, const std::string& label) {
-    script.legend.push_back(
-        {fmt::format("with points pt 5 ps 1.15 lc rgb '#{:02x}{:02x}{:02x}'", color[0], color[1], color[2]), label});
+    // In a frame, which shows white on white.
+    script.legend.push_back({fmt::format("with boxes fc rgb '#{:02x}{:02x}{:02x}' fs solid 1 border lc rgb '#666666'", color[0],
+                                         color[1], color[2]),
+                             label});
   };
   const bool has_causes = std::ranges::any_of(shown, [](const Record& r) { return r.causes.has_value(); });
   if (!has_causes)
@@ -90,11 +93,16 @@ void draw_sheet(std::span<const Record> records, FigureScript& script) {
   std::vector<Place> places;
   PanelFrame frame{.titles = {}, .most_columns = 4, .is_bare = true};
   double tallest = 0;
+  std::vector<std::string> settings;
   for (const SheetPicture& picture : pictures) {
+    settings.push_back(setting_name(*picture.record));
     add_once(places, place_of(*picture.record));
     tallest = std::max(tallest, static_cast<double>(picture.record->height) / picture.record->width);
   }
-  for (const SheetPicture& picture : pictures) frame.titles.push_back(caption(*picture.record, places));
+  const ShortNames names = without_shared(settings);
+  script.heading = names.heading;
+  for (std::size_t k = 0; k < pictures.size(); ++k)
+    frame.titles.push_back(caption(*pictures[k].record, names.names[k], places));
   frame.most_columns = std::min<std::size_t>(4, static_cast<std::size_t>(std::ceil(std::sqrt(pictures.size()))));
   frame.height_per_width = tallest;
   add_legend(pictures, script);

@@ -318,8 +318,9 @@ TEST(figure, a_sheet_shows_the_error_picture_of_every_row_without_its_legend) {
   EXPECT_TRUE(has(script, "# Panels: 2 rows of 2\n")) << script;
   EXPECT_TRUE(has(script, "it''s size=512.png' binary filetype=png with rgbimage")) << script;
   EXPECT_TRUE(has(script, "set yrange [11.5:47.5]")) << script;
-  EXPECT_TRUE(has(script, "'map:size=256, error 20.0 %'")) << script;
-  EXPECT_TRUE(has(script, "title 'acne'")) << script;
+  EXPECT_TRUE(has(script, "set multiplot title 'map'")) << "what all share, once\n" << script;
+  EXPECT_TRUE(has(script, "set title 'size=256, error\u00a020.0\u00a0%'")) << script;
+  EXPECT_TRUE(has(script, "border lc rgb '#666666' title 'acne'")) << "a white color shows in its frame\n" << script;
   if (std::system("gnuplot --version > /dev/null 2>&1") == 0)
     for (const char* ending : {"svg", "pdf", "png"}) {
       const auto out = folder.path() / fmt::format("sheet.{}", ending);
