@@ -59,6 +59,25 @@ double linear_step(double least, double greatest, std::size_t most) {
   return 10 * power;
 }
 
+std::vector<std::string> linear_names(double least, double greatest, double step) {
+  std::vector<std::string> names;
+  const double first = std::ceil(least / step - 1e-6), last = std::floor(greatest / step + 1e-6);
+  // Adding 0 makes -0 a 0.
+  for (double k = first; k <= last && names.size() < 100; ++k) names.push_back(fmt::format("{:g}", k * step + 0.0));
+  return names;
+}
+
+std::vector<std::string> names_of_tics(std::string_view tics) {
+  std::vector<std::string> names;
+  for (std::size_t from; (from = tics.find('\'')) != tics.npos;) {
+    tics.remove_prefix(from + 1);
+    const std::size_t end = std::min(tics.find('\''), tics.size());
+    if (end > 0) names.emplace_back(tics.substr(0, end));
+    tics.remove_prefix(std::min(end + 1, tics.size()));
+  }
+  return names;
+}
+
 std::string word_tics(const std::vector<std::string>& words, bool do_turn) {
   std::vector<std::string> all;
   for (std::size_t k = 0; k < words.size(); ++k) all.push_back(fmt::format("{} {}", FigureScript::quoted_tic(words[k]), k));

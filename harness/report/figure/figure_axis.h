@@ -14,6 +14,10 @@ std::string log_tics(double least, double greatest, std::size_t most);
 std::string value_tics(std::vector<double> values, double share);
 /// The step of tics of a linear axis over this range, 1, 2 or 5 times a power of ten, with at most `most` labels.
 double linear_step(double least, double greatest, std::size_t most);
+/// The names of tics at multiples of this step.
+std::vector<std::string> linear_names(double least, double greatest, double step);
+/// The names in a list of tics such as those above.
+std::vector<std::string> names_of_tics(std::string_view tics);
 /// Tics 0, 1, 2, ... named by these words, turned where they do not fit.
 std::string word_tics(const std::vector<std::string>& words, bool do_turn);
 

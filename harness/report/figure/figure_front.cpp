@@ -72,15 +72,18 @@ class FrontPanel {
     const auto [left, right] = x_ends();
     script.add("set logscale x; set xtics {}; set xrange [{}:{}]", log_tics(left, right, grid.x_labels()), left, right);
     if (is_log_) {
-      const double first_tic = has_zero_ ? errors_.least / 1.5 : bottom();
-      script.add("set logscale y; set ytics {}; set yrange [{}:{}]", log_tics(first_tic, top_, grid.y_labels()), bottom(),
-                 top_);
+      script.add("set logscale y; set ytics {}; set yrange [{}:{}]", y_tics(grid), bottom(), top_);
       if (has_zero_) script.add("set ytics add ('0' {})", zero_);
     } else {
       script.add("unset logscale y; set ytics autofreq; set yrange [0:{}]", top_ > 0 ? top_ : 1);
     }
     script.add("unset label");
     write_numbers(script, grid);
+  }
+
+  /// Of a logarithmic axis.
+  std::string y_tics(const PanelGrid& grid) const {
+    return is_log_ ? log_tics(has_zero_ ? errors_.least / 1.5 : bottom(), top_, grid.y_labels()) : "";
   }
 
   const std::vector<const Candidate*>& shown() const { return shown_; }
@@ -218,6 +221,9 @@ void draw_front(std::span<const Record> records, FigureScript& script) {
   PanelFrame frame{.titles = {}, .x_label = panels.front().x_label(is_only), .y_label = panels.front().y_label()};
   for (const FrontPanel& panel : panels) frame.titles.push_back(is_only ? "" : title_of(panel.field(), places));
   script.shows = fmt::format("{} against {}", frame.y_label, frame.x_label);
+  const PanelGrid room = panel_grid(frame, script.options.width_cm);
+  for (const FrontPanel& panel : panels)
+    std::ranges::move(names_of_tics(panel.y_tics(room)), std::back_inserter(frame.y_names));
   const PanelGrid grid = open_panels(script, frame);
   for (std::size_t k = 0; k < panels.size(); ++k) {
     open_panel(script, grid, k, frame.titles[k], panels[k].y_label());

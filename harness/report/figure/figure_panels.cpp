@@ -51,8 +51,8 @@ std::size_t PanelGrid::y_labels() const { return std::max<std::size_t>(2, static
 
 PanelGrid panel_grid(const PanelFrame& frame, double figure_cm) {
   constexpr double least_width = 3.2, least_height = 3.4, greatest_height = 6.5;  // narrower ones have no room for an axis
-  const double names_cm = std::max(0.0, longest_cm(frame.y_names) - 0.9);
-  // Room for the name of an axis beside tics as long as 0.0001: what lies off the page is not drawn.
+  const double names_cm = std::max(0.0, longest_cm(frame.y_names) - 0.7);
+  // Room for the name of an axis beside tics as long as 0.01: what lies off the page is not drawn.
   const double left = frame.is_bare ? right_cm : 2.1 + names_cm;
   PanelGrid grid{.columns = std::clamp<std::size_t>(frame.titles.size(), 1, frame.most_columns),
                  .between_cm = frame.is_bare ? 0.3 : 1.9 + names_cm};
@@ -66,7 +66,9 @@ PanelGrid panel_grid(const PanelFrame& frame, double figure_cm) {
                    : frame.is_bare     ? by_width
                                        : std::clamp(by_width, least_height, greatest_height);
   const std::size_t lines = FigureScript::line_count(frame.y_label, grid.height_cm);
-  grid.width_cm = width_with(left + line_cm * static_cast<double>(std::max<std::size_t>(lines, 1) - 1));
+  const double more_lines_cm = line_cm * static_cast<double>(std::max<std::size_t>(lines, 1) - 1);
+  grid.between_cm += more_lines_cm;
+  grid.width_cm = width_with(left + more_lines_cm);
   for (const std::vector<std::string>& names : frame.x_names)
     grid.do_names_turn.push_back((longest_cm(names) + 0.2) * static_cast<double>(names.size()) > grid.width_cm);
   return grid;

@@ -90,7 +90,7 @@ struct PanelFrame {
   std::vector<std::string> titles;  ///< one a panel
   std::string x_label = {}, y_label = {};
   std::vector<std::vector<std::string>> x_names = {};  ///< of tics that are words: one set a panel, or one of all panels
-  std::vector<std::string> y_names = {};               ///< of tics that are words
+  std::vector<std::string> y_names = {};               ///< of tics that may be long
   std::size_t most_columns = 2;
   double height_per_width = 0.7;
   double height_cm = 0;  ///< of a panel; 0: by its width

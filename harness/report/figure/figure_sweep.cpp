@@ -73,22 +73,35 @@ std::vector<std::string> line_of(const Sweep& sweep, const Column& column, const
   return lines;
 }
 
-/// "set yrange ..." for what one panel shows. Shares, times and sizes are read against 0, but for costs of more than two
+/// A vertical axis.
+struct YAxis {
+  std::string commands;                 ///< "set yrange ..."
+  std::vector<std::string> names = {};  ///< of its tics
+};
+
+YAxis linear_axis(double least, double greatest, std::size_t labels) {
+  const double step = linear_step(least, greatest, labels);
+  return {fmt::format("unset logscale y; set ytics {}; set yrange [{}:{}]", step, least, greatest),
+          linear_names(least, greatest, step)};
+}
+
+/// The axis of what one panel shows. Shares, times and sizes are read against 0, but for costs of more than two
 /// decades; ratios against 1.
-std::string y_axis(Extent ys, const Column& column, const PanelGrid& grid) {
-  if (is_cost(column) && ys.least > 0 && ys.greatest / ys.least > 100)
-    return fmt::format("set logscale y; set ytics {}; set yrange [{}:{}]",
-                       log_tics(ys.least / 1.3, ys.greatest * 1.3, grid.y_labels()), ys.least / 1.3, ys.greatest * 1.3);
+YAxis y_axis(Extent ys, const Column& column, std::size_t labels) {
+  if (is_cost(column) && ys.least > 0 && ys.greatest / ys.least > 100) {
+    const std::string tics = log_tics(ys.least / 1.3, ys.greatest * 1.3, labels);
+    return {fmt::format("set logscale y; set ytics {}; set yrange [{}:{}]", tics, ys.least / 1.3, ys.greatest * 1.3),
+            names_of_tics(tics)};
+  }
   const bool has_zero = column.shown_unit == "%" || is_cost(column);
-  if (has_zero && ys.least >= 0)
-    return fmt::format("unset logscale y; set ytics autofreq; set yrange [0:{}]", ys.greatest > 0 ? ys.greatest * 1.06 : 1);
+  if (has_zero && ys.least >= 0) return linear_axis(0, ys.greatest > 0 ? ys.greatest * 1.06 : 1, labels);
   if (column.unit == "ratio") {
     ys.add(0.95);
     ys.add(1.05);
   }
   const double span = ys.greatest - ys.least;
   const double margin = span > 0 ? span * 0.06 : std::max(std::abs(ys.greatest) * 0.05, 0.05);
-  return fmt::format("unset logscale y; set ytics autofreq; set yrange [{}:{}]", ys.least - margin, ys.greatest + margin);
+  return linear_axis(ys.least - margin, ys.greatest + margin, labels);
 }
 
 /// A quantity of a sweep that is drawn.
@@ -195,12 +208,19 @@ void draw_sweep(std::span<const Record> records, FigureScript& script) {
   }
   frame.y_label = std::ranges::max(labels, {}, [](const std::string& label) { return label.size(); });
   script.shows = fmt::format("{} against {}", joined(labels, ", "), x_label);
+  // The left margin has room for the tics.
+  const std::size_t y_labels = panel_grid(frame, script.options.width_cm).y_labels();
+  std::vector<YAxis> y_axes;
+  for (const SweepPanel& panel : drawn.panels) {
+    y_axes.push_back(y_axis(panel.y, *panel.columns.front(), y_labels));
+    for (const std::string& name : y_axes.back().names) frame.y_names.push_back(name);
+  }
   const PanelGrid grid = open_panels(script, frame);
   script.add("{}", axis.commands(grid));
   for (std::size_t k = 0; k < drawn.panels.size(); ++k) {
     const SweepPanel& panel = drawn.panels[k];
     open_panel(script, grid, k, frame.titles[k], k % grid.columns == 0 || labels.size() > 1 ? panel.y_label() : "");
-    script.add("{}", y_axis(panel.y, *panel.columns.front(), grid));
+    script.add("{}", y_axes[k].commands);
     panel.plot.into(script);
   }
   close_panels(script);

@@ -103,6 +103,13 @@ TEST(figure_style, steps_of_tics_are_round_and_few_enough) {
   EXPECT_DOUBLE_EQ(linear_step(3, 3, 4), 1);  // one value: any step
 }
 
+TEST(figure_style, names_of_tics_are_those_that_are_drawn) {
+  EXPECT_EQ(names_of_tics("('0.1' 0.1, '' 0.2 1, '1k' 1000)"), (std::vector<std::string>{"0.1", "1k"}));
+  EXPECT_EQ(names_of_tics(""), std::vector<std::string>{});
+  EXPECT_EQ(linear_names(-0.3, 1.1, 0.5), (std::vector<std::string>{"0", "0.5", "1"}));
+  EXPECT_EQ(linear_names(0, 0.0006, 0.0002), (std::vector<std::string>{"0", "0.0002", "0.0004", "0.0006"}));
+}
+
 TEST(figure_style, labels_lie_beside_one_another) {
   // Three marks on one spot, and one at the corner.
   const std::vector<PanelPoint> marks{{2, 2}, {2, 2}, {2, 2}, {0, 0}};

@@ -147,6 +147,22 @@ TEST(figure, a_row_of_panels_has_room_for_its_own_turned_words) {
   EXPECT_TRUE(has(figure_script(records, "parameters", {}, "f.pdf"), "rotate by 45 right ('word_that"));
 }
 
+TEST(figure, the_left_margin_has_room_for_the_tics) {
+  FigureOptions options{.width_cm = 8.5};
+  options.analysis.x = "size";
+  options.metrics = {"error", "false_dark_rate"};
+  const auto margin_cm = [&](double wrong) {
+    std::vector<Record> records;
+    for (const int size : {256, 512, 1024}) {
+      records.push_back(row(size, 1, wrong / size));
+      records.back().metrics[Truth::shape]["false_dark_rate"] = wrong / size;
+    }
+    return 8.5 * number_after(figure_script(records, "sweep", options, "f.svg"), "set lmargin at screen ");
+  };
+  // 0.0001 has six characters, 10 two: 5.6 of them have a cm, and 0.7 cm are always free.
+  EXPECT_NEAR(margin_cm(0.001) - margin_cm(100), 6 / 5.6 - 0.7, 0.01);
+}
+
 TEST(figure, a_legend_is_no_wider_than_its_figure) {
   // Five names of 23 characters, 4.1 cm, and the front: a column takes 5.7 cm, and 16 cm hold two.
   std::vector<Record> records = some();
