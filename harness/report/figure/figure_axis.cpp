@@ -49,6 +49,16 @@ std::string value_tics(std::vector<double> values, double share) {
   return fmt::format("({})", joined(tics, ", "));
 }
 
+bool are_spaced_by_ratio(std::span<const double> values) {
+  if (values.size() < 3) return false;
+  Extent steps, ratios;
+  for (std::size_t k = 1; k < values.size(); ++k) {
+    steps.add(values[k] - values[k - 1]);
+    ratios.add(std::log(values[k] / values[k - 1]));
+  }
+  return steps.greatest >= 2 * steps.least && ratios.greatest <= 1.6 * ratios.least;
+}
+
 double linear_step(double least, double greatest, std::size_t most) {
   const double span = greatest - least;
   if (!(span > 0)) return 1;

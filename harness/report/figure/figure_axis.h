@@ -12,6 +12,8 @@ std::string short_number(double value);
 std::string log_tics(double least, double greatest, std::size_t most);
 /// Tics at the values themselves; empty where two of them are nearer than this share of a logarithmic axis.
 std::string value_tics(std::vector<double> values, double share);
+/// Whether three values or more are further apart the greater they are, by about one ratio: 1, 2, 5, 10. Sorted and above 0.
+bool are_spaced_by_ratio(std::span<const double> values);
 /// The step of tics of a linear axis over this range, 1, 2 or 5 times a power of ten, with at most `most` labels.
 double linear_step(double least, double greatest, std::size_t most);
 /// The names of tics at multiples of this step.

@@ -8,34 +8,15 @@
 #include <set>
 #include <sstream>
 
+#include "figure_rows.h"
 #include "measure/cause/causes.h"
 #include "measure/picture/picture.h"
 #include "measure/scratch_folder.h"
-#include "report/figure/figure_script.h"
 
 namespace figure_test {
 
 using namespace gnomon;
-
-bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
-
-Record row(int size, double cost, double wrong, const std::string& scene = "soup") {
-  Record r;
-  r.scene = scene;
-  r.light = "point";
-  r.technique = "map";
-  r.settings = fmt::format("size={}", size);
-  r.parameters = {{"size", size}};
-  r.status = Status::ok;
-  for (const Stage stage : {Stage::build, Stage::relight, Stage::resolve})
-    r.times(stage) = {{cost}, {cost * 1.5}, {cost / 1.5}};
-  r.metrics[Truth::shape] = {{"error", wrong}, {"wrong_rate", wrong}};
-  r.classes["T"] = 100;
-  r.causes = {{"acne", 3}, {"edge_resolution", 1}};
-  r.path = "slide";
-  r.frames = {{"error", {wrong, wrong / 2, std::nullopt}}};
-  return r;
-}
+using namespace figure_rows;
 
 /// A sheet shows pictures, which have tests of their own.
 std::vector<std::string> drawn_kinds() {
@@ -43,8 +24,6 @@ std::vector<std::string> drawn_kinds() {
   std::erase(kinds, "sheet");
   return kinds;
 }
-
-std::vector<Record> some() { return {row(256, 1, 0.2), row(512, 2, 0.1), row(1024, 4, 0)}; }
 
 TEST(figure, texts_cannot_leave_their_quotes) {
   EXPECT_EQ(FigureScript::quoted("it's"), "'it''s'");
@@ -115,12 +94,6 @@ TEST(figure, no_error_at_all_has_its_place_on_a_logarithmic_axis) {
   EXPECT_TRUE(has(script, "set ytics add ('0' 2.5)")) << script;  // a fourth of the least, 10 %
 }
 
-/// What follows the first `before` in the text, as a number.
-double number_after(const std::string& text, const std::string& before) {
-  const std::size_t at = text.find(before);
-  return at == text.npos ? NAN : std::strtod(text.c_str() + at + before.size(), nullptr);
-}
-
 TEST(figure, exponents_stay_within_their_panel) {
   // log10 of the times 3, 0, 0, 0 at log2 of the sizes 8 .. 11: slope -0.9, and the line ends at -0.6, below all points.
   const std::vector<Record> records{row(256, 1000, 0), row(512, 1, 0), row(1024, 1, 0), row(2048, 1, 0)};
@@ -145,22 +118,6 @@ TEST(figure, a_row_of_panels_has_room_for_its_own_turned_words) {
   // Two rows of two panels: 38 characters at 5.6 per cm, turned by 45 degrees, below the second row alone.
   EXPECT_NEAR(height() - plain, 38 / 5.6 * 0.71, 0.02);
   EXPECT_TRUE(has(figure_script(records, "parameters", {}, "f.pdf"), "rotate by 45 right ('word_that"));
-}
-
-TEST(figure, the_left_margin_has_room_for_the_tics) {
-  FigureOptions options{.width_cm = 8.5};
-  options.analysis.x = "size";
-  options.metrics = {"error", "false_dark_rate"};
-  const auto margin_cm = [&](double wrong) {
-    std::vector<Record> records;
-    for (const int size : {256, 512, 1024}) {
-      records.push_back(row(size, 1, wrong / size));
-      records.back().metrics[Truth::shape]["false_dark_rate"] = wrong / size;
-    }
-    return 8.5 * number_after(figure_script(records, "sweep", options, "f.svg"), "set lmargin at screen ");
-  };
-  // 0.0001 has six characters, 10 two: 5.6 of them have a cm, and 0.7 cm are always free.
-  EXPECT_NEAR(margin_cm(0.001) - margin_cm(100), 6 / 5.6 - 0.7, 0.01);
 }
 
 TEST(figure, a_legend_is_no_wider_than_its_figure) {
@@ -229,35 +186,6 @@ TEST(figure, a_narrow_one_leaves_each_panel_its_room) {
   EXPECT_TRUE(has(script, "keyentry with points pt 0 lc rgb '#ffffff' title '")) << "names of settings go on below\n" << script;
   options.width_cm = 16;
   EXPECT_TRUE(has(figure_script(records, "sweep", options, "f.svg"), "# Panels: 1 row of 2\n"));
-}
-
-TEST(figure, a_sweep_holds_several_quantities) {
-  std::vector<Record> records = some();
-  FigureOptions options;
-  options.analysis.x = "size";
-  options.metrics = {"cause.acne", "error", "resolve_ms"};
-  const std::string script = figure_script(records, "sweep", options, "f.svg");
-  EXPECT_TRUE(has(script, "# Panels: 1 row of 2\n")) << "shares in one panel, times in another\n" << script;
-  EXPECT_TRUE(has(script, "set ylabel 'acne, error (%)'")) << script;
-  EXPECT_TRUE(has(script, "# Curve: map: acne\n")) << script;
-  EXPECT_TRUE(has(script, "title 'map: error'")) << script;
-}
-
-TEST(figure, a_logarithmic_parameter_has_a_logarithmic_axis_with_a_place_for_zero) {
-  std::vector<Record> records;
-  for (const char* size : {"0.1", "0.2", "0.4"}) records.push_back(row(256, 1, 0.1, fmt::format("soup:size={}", size)));
-  FigureOptions options;
-  options.analysis.x = "size";
-  for (Record& r : records) r.parameters = Json::object();
-  std::string script = figure_script(records, "sweep", options, "f.svg");
-  EXPECT_TRUE(has(script, "set logscale x; set xtics ('0.1' 0.1, '0.2' 0.2, '0.4' 0.4)")) << script;
-  records.push_back(row(256, 1, 0.1, "soup:size=0"));
-  records.back().parameters = Json::object();
-  script = figure_script(records, "sweep", options, "f.svg");
-  EXPECT_TRUE(has(script, "set xtics add ('0' 0.05)")) << "half of the least\n" << script;
-  options.analysis.x = "height";
-  for (Record& r : records) r.scene = fmt::format("sphere_over_plane:height={}", 1 + (&r - records.data()));
-  EXPECT_FALSE(has(figure_script(records, "sweep", options, "f.svg"), "logscale x"));
 }
 
 /// What a figure of these rows says against drawing them; empty: it draws them.
