@@ -2,6 +2,7 @@
 // the flicker by its lag.
 #include "measure/score/over_time.h"
 #include "report/figure/figure_axis.h"
+#include "report/figure/figure_names.h"
 
 namespace gnomon {
 
@@ -79,6 +80,15 @@ std::vector<Panel> flicker_panels(const Motions& motions, const Column& column, 
   return panels;
 }
 
+/// The legend. Of many settings it has values alone, several beside one another, and their parameters are above the panels.
+void name_settings(const Motions& motions, FigureScript& script) {
+  constexpr std::size_t most_full_names = 8;
+  ShortNames names{"", motions.settings};
+  if (motions.settings.size() > most_full_names) names = values_alone(motions.settings);
+  script.heading = names.heading;
+  for (std::size_t k = 0; k < names.names.size(); ++k) script.legend.push_back({motions.style(k), names.names[k]});
+}
+
 std::string flicker_tics() {
   std::vector<std::string> tics;
   for (const FlickerMetric& flicker : flicker_metrics)
@@ -98,12 +108,13 @@ void draw_motion(std::span<const Record> records, FigureScript& script) {
   const std::size_t count = by_frame.size() + by_lag.size();
   require_panels(count, by_lag.empty() ? "scenes, lights and paths" : "scenes, lights and paths, two of each");
   require_series(motions.settings.size(), "settings");
-  for (std::size_t k = 0; k < motions.settings.size(); ++k) script.legend.push_back({motions.style(k), motions.settings[k]});
+  name_settings(motions, script);
 
   std::size_t last = 1;
   for (const PathErrors& motion : motions.rows) last = std::max(last, motion.frames - 1);
   script.shows = fmt::format("{} by frame", axis_label(column));
   PanelFrame frame{.titles = {}, .x_label = "frame", .y_label = axis_label(column)};
+  if (count > 4) frame.height_cm = 3.4;  // the least, so that the figure stays below a page's height
   for (const auto* panels : {&by_frame, &by_lag})
     for (const Panel& panel : *panels) frame.titles.push_back(panel.title);
   const PanelGrid grid = open_panels(script, frame);

@@ -82,6 +82,23 @@ TEST(figure, motion_has_a_panel_of_flicker_where_a_row_has_it) {
   EXPECT_TRUE(has(script(), "0.25\t50\n")) << "in percent" << script();
 }
 
+TEST(figure, motion_of_many_settings_says_their_parameters_once) {
+  std::vector<Record> records;
+  for (int k = 0; k < 48; ++k) {
+    records.push_back(row(k, 1, 0.1));
+    records.back().settings =
+        fmt::format("resolution={},bias=receiver_plane,filter=percentage_closer_{},depth_bias={}", k, k % 4, k % 3);
+  }
+  const std::string script = figure_script(records, "motion", {}, "f.pdf");
+  EXPECT_TRUE(has(script, "set multiplot title 'map: bias=receiver_plane; resolution, filter, depth_bias'")) << script;
+  EXPECT_TRUE(has(script, "title '7, percentage_closer_3, 1'")) << script;
+  // Two columns of 24 rows in the place of 48 rows, 22 cm.
+  EXPECT_LT(number_after(script, "cm,"), 25) << script;
+  records.resize(8);
+  EXPECT_TRUE(has(figure_script(records, "motion", {}, "f.pdf"), "title 'map:resolution=7,bias="))
+      << "few have their whole names";
+}
+
 TEST(figure, nothing_to_draw_is_an_error) {
   Record failed = row(256, 1, 0.1);
   failed.status = Status::failed;
