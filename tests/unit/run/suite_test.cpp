@@ -191,7 +191,8 @@ TEST(contenders, a_star_is_every_registered_technique_but_those_for_who_names_th
   for (const TechniqueEntry& entry : registry().techniques()) (entry.about.named_only ? left_out : wanted).push_back(entry.id);
   EXPECT_EQ(names("*"), wanted);
   EXPECT_GT(wanted.size(), 20u);
-  for (const char* engine : {"babylon_js", "cycles", "filament", "ogre", "open_scene_graph", "playcanvas", "pov_ray", "three_js"})
+  for (const char* engine :
+       {"babylon_js", "cycles", "filament", "ogre", "open_scene_graph", "playcanvas", "pov_ray", "three_js"})
     EXPECT_TRUE(std::ranges::find(left_out, engine) != left_out.end()) << engine;
   EXPECT_THROW(parse_contenders("*", "all"), Error);
 }
