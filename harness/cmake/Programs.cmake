@@ -2,7 +2,7 @@
 option(GNOMON_ENGINES "Build the renderers of engines whose libraries are there" ON)
 
 # gnomon_add_renderer(ID libraries...): the program gnomon_ID beside `gnomon`, between an engine's library and its adapter in
-# Python, of the .cpp files in techniques/ID. Libraries are targets; where one is missing, the technique says what to install.
+# Python, of the .cpp files in techniques/ID; techniques/renderers has what such programs share. Libraries are targets; where one is missing, the technique says what to install.
 # No package has it: it would need the engine. `cmake --install BUILD --component engines` installs it.
 function(gnomon_add_renderer id)
   file(GLOB sources CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/techniques/${id}/*.cpp")
@@ -15,6 +15,7 @@ function(gnomon_add_renderer id)
     endif()
   endforeach()
   add_executable(gnomon_${id} ${sources})
+  target_include_directories(gnomon_${id} PRIVATE ${PROJECT_SOURCE_DIR}/techniques/renderers)
   target_compile_definitions(gnomon_${id} PRIVATE ENGINE_VERSION="${${id}_VERSION}")
   target_link_libraries(gnomon_${id} PRIVATE ${ARGN} nlohmann_json::nlohmann_json)
   install(TARGETS gnomon_${id} COMPONENT engines EXCLUDE_FROM_ALL)

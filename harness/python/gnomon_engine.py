@@ -203,6 +203,12 @@ class Engine(Technique):
         milliseconds that it took, without reading it back. With shadows all that the engine draws for them counts."""
         raise NotImplementedError
 
+    def file(self, name, array):
+        """The name of a file between the adapter and its renderer, filled with an array's numbers."""
+        path = Path(self.folder) / f"renderer_{name}"
+        np.ascontiguousarray(array).tofile(path)
+        return str(path)
+
     def setup(self):
         self.display = start_display() if self.needs_display else None
         if self.display:

@@ -4,8 +4,6 @@ The material is white and lit by the one light: the frame with shadows over the 
 texture of floats of the picture's size, without what Filament does to pictures afterwards.
 """
 
-from pathlib import Path
-
 import numpy as np
 from gnomon_engine import Awaited, Child, Engine, require_version
 from gnomon_technique import serve
@@ -31,18 +29,12 @@ class Filament(Engine):
         require_version("Filament", version, "1.9")
         self.maker = f"Filament {version}"
 
-    def file(self, name, array):
-        """The name of a file between the adapter and the renderer, filled with an array's numbers."""
-        path = Path(self.folder) / f"filament_{name}"
-        np.ascontiguousarray(array, np.float32).tofile(path)
-        return str(path)
-
     def load(self, scene):
         normals = np.cross(self.corners[:, 1] - self.corners[:, 0], self.corners[:, 2] - self.corners[:, 0])
         length = np.linalg.norm(normals, axis=1, keepdims=True)
         normals = np.where(length > 0, normals / np.maximum(length, 1e-30), [0, 1, 0])  # a triangle without area is seen by nobody
         meshes = [{"corners": 3 * (end - first), "casts": mesh.casts, "receives": mesh.receives} for mesh, (first, end) in zip(scene.meshes, self.ranges)]
-        self.child.ask(do="load", position=self.file("position", self.corners), normal=self.file("normal", np.repeat(normals, 3, axis=0)), meshes=meshes)
+        self.child.ask(do="load", position=self.file("position", self.corners), normal=self.file("normal", np.repeat(normals, 3, axis=0).astype(np.float32)), meshes=meshes)
 
     def place_light(self, light):
         placed = {"kind": light.kind, "direction": (light.direction / np.linalg.norm(light.direction)).tolist()}

@@ -1,9 +1,4 @@
-// Draws frames by Filament for adapter.py: reads lines of JSON on standard input and answers each by one line on the file
-// descriptor that the variable GNOMON_ANSWERS names.
-#include <nlohmann/json.hpp>
-
-using Json = nlohmann::json;  // its header comes before those of Filament, which have a macro with the name of a function of it
-
+// Draws frames by Filament for adapter.py, which asks for them as gnomon_renderer.h says.
 #include <filamat/MaterialBuilder.h>
 #include <filament/Camera.h>
 #include <filament/Engine.h>
@@ -25,15 +20,16 @@ using Json = nlohmann::json;  // its header comes before those of Filament, whic
 
 #include <array>
 #include <chrono>
-#include <cstdio>
 #include <cstdlib>
 #include <fstream>
-#include <iostream>
 #include <numeric>
 #include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
+
+#undef assert_invariant  // a macro of Filament, and a function of nlohmann's JSON
+#include "gnomon_renderer.h"
 
 namespace {
 
@@ -297,31 +293,9 @@ class Frames {
   std::array<bool, 2> is_warm_ = {};  // frames without and with shadows
 };
 
-Json answer(Frames& frames, const Json& request) {
-  const std::string what = request.at("do");
-  if (what == "hello") return frames.hello(request);
-  if (what == "load") return frames.load(request);
-  if (what == "relight") return frames.relight(request);
-  if (what == "frame") return frames.frame(request);
-  throw std::runtime_error("it cannot " + what);
-}
-
 }  // namespace
 
 int main() {
-  const char* const descriptor = std::getenv("GNOMON_ANSWERS");
-  std::FILE* const answers = descriptor ? fdopen(std::atoi(descriptor), "w") : stdout;
-  if (!answers) return EXIT_FAILURE;
   Frames frames;
-  for (std::string line; std::getline(std::cin, line);) {
-    Json said;
-    try {
-      said = answer(frames, Json::parse(line));
-    } catch (const std::exception& problem) {
-      said = {{"error", problem.what()}};
-    }
-    std::fprintf(answers, "%s\n", said.dump().c_str());
-    std::fflush(answers);
-  }
-  std::_Exit(EXIT_SUCCESS);  // Filament insists that all is taken down in order
+  std::_Exit(serve(frames));  // Filament insists that all is taken down in order
 }

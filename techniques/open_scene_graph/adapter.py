@@ -4,8 +4,6 @@ Meshes are white, their normals point to the one light, and there is no ambient 
 are black. The mask is the ratio of the frame with shadows to one without. Frames are drawn to a texture of the picture's size.
 """
 
-from pathlib import Path
-
 import numpy as np
 from gnomon_engine import Awaited, Child, Engine, is_closed, require_version
 from gnomon_technique import serve
@@ -30,12 +28,6 @@ class OpenSceneGraphShadows(Engine):
         version = self.child.ask(do="hello")["version"]
         require_version("OpenSceneGraph", version, "3.6")
         self.maker = f"OpenSceneGraph {version}"
-
-    def file(self, name, array):
-        """The name of a file between the adapter and the renderer, filled with an array's numbers."""
-        path = Path(self.folder) / f"open_scene_graph_{name}"
-        np.ascontiguousarray(array).tofile(path)
-        return str(path)
 
     def load(self, scene):
         self.triangle, self.vertices = np.asarray(scene.triangle), len(scene.position)

@@ -1,13 +1,9 @@
-// Draws frames by OpenSceneGraph for adapter.py: reads lines of JSON on standard input and answers each by one line on the file
-// descriptor that the variable GNOMON_ANSWERS names.
+// Draws frames by OpenSceneGraph for adapter.py, which asks for them as gnomon_renderer.h says.
 #include <algorithm>
 #include <array>
 #include <chrono>
-#include <cstdio>
 #include <cstdlib>
 #include <fstream>
-#include <iostream>
-#include <nlohmann/json.hpp>
 #include <osg/Geometry>
 #include <osg/LightModel>
 #include <osg/LightSource>
@@ -20,11 +16,10 @@
 #include <stdexcept>
 #include <utility>
 
+#include "gnomon_renderer.h"
 #include "shadows.h"
 
 namespace {
-
-using Json = nlohmann::json;
 
 constexpr unsigned seen_mask = 1, casting_mask = 2;
 
@@ -260,32 +255,10 @@ class Renderer {
   std::array<bool, 2> is_warm_ = {};  // frames without and with shadows
 };
 
-Json answer(Renderer& renderer, const Json& request) {
-  const std::string what = request.at("do");
-  if (what == "hello") return renderer.hello(request);
-  if (what == "load") return renderer.load(request);
-  if (what == "relight") return renderer.relight(request);
-  if (what == "frame") return renderer.frame(request);
-  throw std::runtime_error("it cannot " + what);
-}
-
 }  // namespace
 
 int main() {
-  const char* const descriptor = std::getenv("GNOMON_ANSWERS");
-  std::FILE* const answers = descriptor ? fdopen(std::atoi(descriptor), "w") : stdout;
-  if (!answers) return EXIT_FAILURE;
   osg::setNotifyLevel(osg::WARN);
   Renderer renderer;
-  for (std::string line; std::getline(std::cin, line);) {
-    Json said;
-    try {
-      said = answer(renderer, Json::parse(line));
-    } catch (const std::exception& problem) {
-      said = {{"error", problem.what()}};
-    }
-    std::fprintf(answers, "%s\n", said.dump().c_str());
-    std::fflush(answers);
-  }
-  std::_Exit(EXIT_SUCCESS);  // OpenSceneGraph 3.6 may wait for itself where what has looked at shadows is destroyed
+  std::_Exit(serve(renderer));  // OpenSceneGraph 3.6 may wait for itself where what has looked at shadows is destroyed
 }
